@@ -1,0 +1,46 @@
+"""The named exceptions. Every message says what, where, who asked and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class MpmkitError(Exception):
+    """Base of everything mpmkit raises on purpose."""
+
+
+class PluginError(MpmkitError):
+    """A plugin cannot be loaded, or two plugins register one name."""
+
+
+class ParameterError(MpmkitError, ValueError):
+    """A parameter has a wrong type, unit or value."""
+
+
+class CompositionError(MpmkitError):
+    """The components of a simulation do not work together."""
+
+
+class FieldContractError(CompositionError):
+    """A component asks for a field that nothing in the composition supplies."""
+
+
+class SceneError(MpmkitError):
+    """A scene file has mistakes; the message lists all of them with their paths."""
+
+
+class ResultsError(MpmkitError):
+    """A result or checkpoint file cannot be written, or is not what it should be."""
+
+
+class StabilityError(MpmkitError):
+    """The run became, or would become, unstable; names particle, body, step, time and rule."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return "; did you mean X?" for the nearest known name, or an empty string."""
+    names = list(known)
+    by_lower = {n.lower(): n for n in names}
+    near = get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
+    return f"; did you mean {by_lower[near[0]]!r}?" if near else ""

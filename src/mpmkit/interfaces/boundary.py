@@ -1,0 +1,45 @@
+"""The contract of a boundary layer: conditions carried by nodes, or by layers of particles."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from mpmkit.interfaces.component import Component
+from mpmkit.kernels import Kernel
+
+
+class BoundaryLayer(Component):
+    """An essential condition on nodes, or a natural condition carried by particles.
+
+    A layer supplies either the node hooks or the particle hook.
+
+    Attributes
+    ----------
+    constrain : Kernel
+        Node hook. Returns the admissible velocity (x, y, z) for a nodal velocity ``v``; applying it twice changes
+        nothing more. May ask for ``v``, ``normal`` (unit vector out of the domain, for a layer on faces), ``x`` (of
+        the node), ``t``, ``value`` (if it has a parameter of type `Value`) and parameters.
+    friction : Kernel
+        Node hook, called after ``constrain`` in the momentum update. Returns the velocity after friction; may
+        moreover ask for ``dv_n``, the normal velocity that ``constrain`` has just taken away (>= 0).
+    load : Kernel
+        Particle hook. Returns ``(force, arm)``: the force (x, y, z) [N] on the particle and the vector (x, y, z)
+        from the particle to the point where it acts; mapped to the nodes as f_i = force (N_i + arm . grad N_i). May
+        ask for ``traction`` (value of the layer's traction), ``area`` [m^2], ``normal``, ``arm0`` (initial vector to
+        the boundary), ``F``, ``J``, ``V``, ``V0``.
+    bilateral : bool
+        True if ``constrain`` prescribes components whatever the velocity is (needed by a consistent mass matrix).
+    """
+
+    kind: ClassVar[str] = "boundary"
+    constrain: ClassVar[Kernel | None] = None
+    friction: ClassVar[Kernel | None] = None
+    load: ClassVar[Kernel | None] = None
+
+    def faces_of(self, grid: Any) -> tuple[str, ...]:
+        """Faces of the domain this layer acts on ("xmin", "xmax", "ymin" ...); empty for a layer of particles."""
+        return ()
+
+    @property
+    def bilateral(self) -> bool:
+        return True

@@ -1,0 +1,67 @@
+"""The contracts of an integrator, the order of one step, and of the transfer it uses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from mpmkit.interfaces.component import Component
+from mpmkit.kernels import Kernel
+from mpmkit.parameters import define, parameter
+
+if TYPE_CHECKING:
+    from mpmkit.interfaces.recipe import Recipe
+
+
+class Transfer(Component):
+    """How a particle's velocity follows from the grid.
+
+    Attributes
+    ----------
+    velocity : Kernel
+        Returns the new particle velocity in one direction from any of ``v`` (its old one), ``v_grid`` (interpolated
+        from the updated grid), ``dv_grid`` (interpolated change of the grid velocity), ``v_smooth`` (interpolated
+        from the filtered grid velocity, if ``passes`` > 1) and parameters.
+    affine : str
+        "none", "moment" (C = B D^-1 from the first moment, APIC) or "gradient" (C = grad v, TPIC): the particle
+        carries C and maps v + C (x_i - x_p) to the nodes.
+    passes : int
+        XPIC: number of times the velocity passes between particles and grid; 1 for all others.
+    """
+
+    kind: ClassVar[str] = "transfer"
+    velocity: ClassVar[Kernel]
+    affine: ClassVar[str] = "none"
+    passes: int = 1
+
+    @classmethod
+    def capabilities(cls) -> dict[str, object]:
+        return super().capabilities() | {"affine": cls.affine}
+
+
+class Integrator(Component):
+    """The order of one step: a recipe of verbs that can be held against the paper.
+
+    A subclass writes ``step(self, s)``; the verbs of ``s`` are documented in `mpmkit.interfaces.recipe.Recipe`.
+    """
+
+    kind: ClassVar[str] = "integrator"
+
+    def step(self, s: Recipe) -> None:
+        """Write one step as a sequence of verbs; called once, when the simulation is composed."""
+        raise NotImplementedError(f"{type(self).__name__} must define step(self, s)")
+
+
+@define
+class ExplicitIntegrator(Integrator):
+    """An explicit integrator: what USF, USL and MUSL have in common. A subclass adds its parameter ``transfer``."""
+
+    transfer: ClassVar[Transfer]
+    cfl: float = parameter("time step as a fraction of h / (|v| + c)", gt=0.0, le=1.0, default=0.4, kw_only=True)
+    dt: float | None = parameter("fixed time step; automatic if not given", unit="s", gt=0.0, default=None, kw_only=True)
+    strain: str = parameter(
+        "update of F: exp(dt L) F, Cayley's midpoint form, or (I + dt L) F as printed (inflates rotating bodies)",
+        choices=("exponential", "midpoint", "first-order"),
+        default="exponential",
+        kw_only=True,
+    )
+    mass: str = parameter("mass matrix; consistent is dense and for small problems", choices=("lumped", "consistent"), default="lumped", kw_only=True)

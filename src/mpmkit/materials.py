@@ -1,0 +1,5 @@
+"""Constitutive models: every registered one, ours and third parties', by its class name."""
+
+from mpmkit._core.namespace import namespace
+
+__getattr__, __dir__ = namespace(__name__, "material")
