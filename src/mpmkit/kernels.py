@@ -26,8 +26,6 @@ class Kernel:
         If the function has default values, ``*args`` or ``**kwargs``: each argument is filled by its name.
     """
 
-    __slots__ = ("function", "arguments", "__doc__", "__weakref__")
-
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
         self.__doc__ = function.__doc__
