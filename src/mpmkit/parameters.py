@@ -96,9 +96,8 @@ def define(cls: type[T]) -> type[T]:
             spec = f.metadata.get(_KEY)
             if spec is None:
                 raise PluginError(f"{cls.__name__}.{f.name}: declare it with mpm.parameter(doc, unit=..., example=...)")
-            if f.name in PARTICLE_FIELDS or f.name in KERNEL_ARGUMENTS:
-                if not getattr(cls, "_may_shadow_fields", False):
-                    raise PluginError(f"{cls.__name__}.{f.name}: this name is taken by a standard field; kernels could not tell them apart")
+            if (f.name in PARTICLE_FIELDS or f.name in KERNEL_ARGUMENTS) and getattr(cls, "names_reach_kernels", False):
+                raise PluginError(f"{cls.__name__}.{f.name}: this name is taken by a standard field; kernels could not tell them apart")
             hint = hints.get(f.name, float)
             converter = attrs.Converter(lambda value, f=f, hint=hint, spec=spec: convert(value, hint, spec, f"{cls.__name__}.{f.name}"))
             out.append(f.evolve(converter=converter, type=hint))

@@ -37,6 +37,7 @@ class Component:
     """
 
     kind: ClassVar[str] = ""
+    names_reach_kernels: ClassVar[bool] = True
     state: ClassVar[tuple[Field, ...]] = ()
     spaces: ClassVar[tuple[str, ...]] = SPACES
     precisions: ClassVar[tuple[str, ...]] = ("float64", "float32")

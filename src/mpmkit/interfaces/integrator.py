@@ -45,6 +45,7 @@ class Integrator(Component):
     """
 
     kind: ClassVar[str] = "integrator"
+    names_reach_kernels: ClassVar[bool] = False
 
     def step(self, s: Recipe) -> None:
         """Write one step as a sequence of verbs; called once, when the simulation is composed."""
