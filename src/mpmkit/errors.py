@@ -27,7 +27,17 @@ class FieldContractError(CompositionError):
 
 
 class SceneError(MpmkitError):
-    """A scene file has mistakes; the message lists all of them with their paths."""
+    """A scene file has mistakes; the message lists all of them with their paths.
+
+    Attributes
+    ----------
+    mistakes : tuple of str
+        One text for each mistake, starting with its path.
+    """
+
+    def __init__(self, message: str, mistakes: Iterable[str] = ()) -> None:
+        super().__init__(message)
+        self.mistakes = tuple(mistakes)
 
 
 class ResultsError(MpmkitError):

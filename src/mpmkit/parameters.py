@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 import types
 import typing
 from collections.abc import Callable
@@ -81,6 +82,7 @@ def parameter(
     return attrs.field(default=default, metadata={_KEY: spec}, kw_only=kw_only)
 
 
+@typing.dataclass_transform(field_specifiers=(parameter,), frozen_default=True)
 def define(cls: type[T]) -> type[T]:
     """Make a frozen component (or scene object) class from its annotated parameters.
 
@@ -89,6 +91,9 @@ def define(cls: type[T]) -> type[T]:
     parameters against each other in a method ``check(self)``, which raises `ParameterError`.
     """
     hints = typing.get_type_hints(cls)
+    # a name the interface itself declares (the reference density rho of a constitutive model) is meant to be the parameter
+    promised = {name for base in cls.__mro__[1:] for name in vars(base).get("__annotations__", {})}
+    taken = (set(PARTICLE_FIELDS) | set(KERNEL_ARGUMENTS)) - promised if getattr(cls, "names_reach_kernels", False) else set()
 
     def transform(owner: type, fields: list[attrs.Attribute]) -> list[attrs.Attribute]:
         out = []
@@ -96,15 +101,14 @@ def define(cls: type[T]) -> type[T]:
             spec = f.metadata.get(_KEY)
             if spec is None:
                 raise PluginError(f"{cls.__name__}.{f.name}: declare it with mpm.parameter(doc, unit=..., example=...)")
-            if (f.name in PARTICLE_FIELDS or f.name in KERNEL_ARGUMENTS) and getattr(cls, "names_reach_kernels", False):
+            if f.name in taken:
                 raise PluginError(f"{cls.__name__}.{f.name}: this name is taken by a standard field; kernels could not tell them apart")
             hint = hints.get(f.name, float)
             converter = attrs.Converter(lambda value, f=f, hint=hint, spec=spec: convert(value, hint, spec, f"{cls.__name__}.{f.name}"))
             out.append(f.evolve(converter=converter, type=hint))
         return out
 
-    made = attrs.define(cls, frozen=True, slots=False, field_transformer=transform)  # type: ignore[call-overload]
-    return typing.cast("type[T]", made)
+    return attrs.define(cls, frozen=True, slots=False, field_transformer=transform)
 
 
 def specs(cls: type) -> dict[str, tuple[attrs.Attribute, Spec]]:
@@ -123,6 +127,8 @@ def convert(value: Any, hint: Any, spec: Spec, path: str) -> Any:
     if origin in (typing.Union, types.UnionType) and hint != Value:
         if value is None and type(None) in args:
             return None
+        if set(typing.get_args(Value)) <= set(args):
+            return convert(value, Value, spec, path)
         kinds = [a for a in args if a is not type(None)]
         if len(kinds) == 1:
             return convert(value, kinds[0], spec, path)
@@ -144,24 +150,45 @@ def convert(value: Any, hint: Any, spec: Spec, path: str) -> Any:
             raise ParameterError(f"{path} must be true or false, got {value!r} ({spec.doc})")
         return value
     if hint is str:
+        value = os.fspath(value) if isinstance(value, os.PathLike) else value
         if not isinstance(value, str):
             raise ParameterError(f"{path} must be text, got {value!r} ({spec.doc})")
         return _chosen(value, spec, path)
     if hint == Vector:
-        items = value if isinstance(value, (list, tuple)) or hasattr(value, "__array__") else (value,)
+        items = value if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0) else (value,)
         return tuple(_in_bounds(_number(v, spec, f"{path}[{k}]"), spec, f"{path}[{k}]") for k, v in enumerate(items))
     if hint == Value:
-        if callable(value) or isinstance(value, str):
+        if callable(value) or getattr(value, "ndim", 0) > 1:  # rows of many points are checked by the class that takes them
             return value
-        return convert(value, Vector if isinstance(value, (list, tuple)) or getattr(value, "shape", ()) else float, spec, path)
+        if isinstance(value, str):
+            return _formula(value, spec, path)
+        if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0) == 1:
+            return tuple(convert(v, Value if isinstance(v, str) else float, spec, f"{path}[{k}]") for k, v in enumerate(value))
+        return convert(value, float, spec, path)
     if origin is tuple:
-        items = value if isinstance(value, (list, tuple)) else (value,)
+        items = value if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0) else (value,)
         return tuple(convert(v, args[0], spec, f"{path}[{k}]") for k, v in enumerate(items))
-    if isinstance(hint, type):
+    if isinstance(hint, type) and hint is not Any:  # a class since Python 3.11
         if not isinstance(value, hint):
             raise ParameterError(f"{path} must be a {hint.__name__}, got {value!r} ({spec.doc})")
         return value
     return value
+
+
+def _formula(text: str, spec: Spec, path: str) -> float | str:
+    """The text of a formula, checked; or the number in SI if it is a quantity such as "3 mm/s"."""
+    import re
+
+    from mpmkit.expression import Expression
+    from mpmkit.units import QUANTITY, to_si
+
+    try:
+        Expression(text, path=path)
+    except ParameterError:
+        if not re.fullmatch(QUANTITY, text):
+            raise
+        return _in_bounds(to_si(text, spec.unit, path), spec, path)  # type: ignore[no-any-return]
+    return text
 
 
 def _number(value: Any, spec: Spec, path: str) -> float:

@@ -5,7 +5,7 @@ A symmetric tensor is a tuple of six in the order xx, yy, zz, xy, yz, xz.
 All functions are scalar, pure and free of branches where possible, so that the scheduler can compile them.
 """
 
-from mpmkit.math import sqrt
+from mpmkit.math import atan2, cos, sqrt
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -145,3 +145,55 @@ def jaumann(s, L):
         wyz * (zz - yy) - wxy * xz - wxz * xy,
         wxz * (zz - xx) + wxy * yz - wyz * xy,
     )
+
+
+def rotate(R, s):
+    """R s R^T for a symmetric tensor s."""
+    xx, yy, zz, xy, yz, xz = s
+    ax, ay, az = R[0] * xx + R[1] * xy + R[2] * xz, R[0] * xy + R[1] * yy + R[2] * yz, R[0] * xz + R[1] * yz + R[2] * zz
+    bx, by, bz = R[3] * xx + R[4] * xy + R[5] * xz, R[3] * xy + R[4] * yy + R[5] * yz, R[3] * xz + R[4] * yz + R[5] * zz
+    cx, cy, cz = R[6] * xx + R[7] * xy + R[8] * xz, R[6] * xy + R[7] * yy + R[8] * yz, R[6] * xz + R[7] * yz + R[8] * zz
+    return (
+        ax * R[0] + ay * R[1] + az * R[2],
+        bx * R[3] + by * R[4] + bz * R[5],
+        cx * R[6] + cy * R[7] + cz * R[8],
+        ax * R[3] + ay * R[4] + az * R[5],
+        bx * R[6] + by * R[7] + bz * R[8],
+        ax * R[6] + ay * R[7] + az * R[8],
+    )
+
+
+def rotation(L, dt):
+    """Rotation by the spin of L during dt: exactly orthogonal, the exponential of dt skew(L) to O(dt^9).
+
+    Cayley's form as in Hughes and Winget (1980, doi:10.1002/nme.1620151210), with the half angle replaced by its tangent.
+    """
+    wxy, wyz, wxz = spin(L)
+    x, y, z = -0.5 * dt * wyz, 0.5 * dt * wxz, -0.5 * dt * wxy  # half the rotation vector
+    q = x * x + y * y + z * z
+    k = 1.0 + q * (1.0 / 3.0 + q * (2.0 / 15.0 + q * (17.0 / 315.0)))  # tan(a) / a
+    x, y, z = k * x, k * y, k * z
+    q = x * x + y * y + z * z
+    i = 1.0 / (1.0 + q)
+    return (
+        i * (1.0 - q + 2.0 * x * x),
+        2.0 * i * (x * y - z),
+        2.0 * i * (x * z + y),
+        2.0 * i * (x * y + z),
+        i * (1.0 - q + 2.0 * y * y),
+        2.0 * i * (y * z - x),
+        2.0 * i * (x * z - y),
+        2.0 * i * (y * z + x),
+        i * (1.0 - q + 2.0 * z * z),
+    )
+
+
+def largest_eigenvalue(s):
+    """Largest eigenvalue of a symmetric tensor, by the trigonometric solution of its cubic."""
+    q = (1.0 / 3.0) * (s[0] + s[1] + s[2])
+    x, y, z, xy, yz, xz = dev(s)
+    p2 = (x * x + y * y + z * z) * (1.0 / 6.0) + (xy * xy + yz * yz + xz * xz) * (1.0 / 3.0)
+    half_det = 0.5 * (x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz))
+    p = sqrt(p2)
+    r = max(-1.0, min(1.0, half_det / (p * p2 + 1e-30)))  # cosine of three times the angle; the small number is for s = q I
+    return q + 2.0 * p * cos((1.0 / 3.0) * atan2(sqrt(1.0 - r * r), r))

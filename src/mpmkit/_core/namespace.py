@@ -11,6 +11,8 @@ def namespace(module: str, *kinds: str) -> tuple[Any, Any]:
     """Return ``__getattr__`` and ``__dir__`` for a module that shows the registered components of `kinds`."""
 
     def getattr_(name: str) -> Any:
+        if name == "__all__":
+            return dir_()
         if name.startswith("_"):
             raise AttributeError(name)
         from mpmkit._core.registry import registry

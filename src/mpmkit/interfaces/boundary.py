@@ -4,8 +4,20 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
+import attrs
+
 from mpmkit.interfaces.component import Component
 from mpmkit.kernels import Kernel
+
+
+@attrs.frozen(eq=False)
+class Selection:
+    """Particles of a layer: numbers int[n], the area float[n] each stands for, normals float[n, 3], vectors to the boundary float[n, 3]."""
+
+    chosen: Any
+    area: Any
+    normals: Any
+    arms: Any
 
 
 class BoundaryLayer(Component):
@@ -19,7 +31,7 @@ class BoundaryLayer(Component):
         Node hook. Returns the admissible velocity (x, y, z) for a nodal velocity ``v``; applying it twice changes
         nothing more. May ask for ``v``, ``normal`` (unit vector out of the domain, for a layer on faces), ``x`` (of
         the node), ``t``, ``value`` (if it has a parameter of type `Value`) and parameters.
-    friction : Kernel
+    rub : Kernel
         Node hook, called after ``constrain`` in the momentum update. Returns the velocity after friction; may
         moreover ask for ``dv_n``, the normal velocity that ``constrain`` has just taken away (>= 0).
     load : Kernel
@@ -33,13 +45,25 @@ class BoundaryLayer(Component):
 
     kind: ClassVar[str] = "boundary"
     constrain: ClassVar[Kernel | None] = None
-    friction: ClassVar[Kernel | None] = None
+    rub: ClassVar[Kernel | None] = None
     load: ClassVar[Kernel | None] = None
+
+    @property
+    def bilateral(self) -> bool:
+        return True
 
     def faces_of(self, grid: Any) -> tuple[str, ...]:
         """Faces of the domain this layer acts on ("xmin", "xmax", "ymin" ...); empty for a layer of particles."""
         return ()
 
-    @property
-    def bilateral(self) -> bool:
-        return True
+    def nodes_in(self, x: Any, t: float) -> Any:
+        """For a layer on nodes that are not on faces: bool[n] for node positions float[n, dim] at time t; None otherwise."""
+        return None
+
+    def select(self, points: Any, grid: Any) -> Selection | None:
+        """For a layer of particles: which particles of its body carry the load, from the sampled `Points`."""
+        return None
+
+    def speed(self) -> float:
+        """Largest speed [m/s] this layer prescribes, for the time step."""
+        return 0.0

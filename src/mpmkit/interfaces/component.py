@@ -8,7 +8,7 @@ import attrs
 
 from mpmkit.fields import Field
 from mpmkit.kernels import Kernel
-from mpmkit.parameters import specs
+from mpmkit.parameters import Value, specs
 
 SPACES = ("1D", "plane strain", "axisymmetric", "3D")
 """The spaces a simulation can live in (`Grid.space`)."""
@@ -65,6 +65,11 @@ class Component:
     def capabilities(cls) -> dict[str, Any]:
         """Declared facts as plain data, for `list-plugins` and `describe`."""
         return {"spaces": list(cls.spaces), "precisions": list(cls.precisions), "state": [f.name for f in cls.state]}
+
+    @property
+    def values(self) -> tuple[str, ...]:
+        """Names of the parameters of type `Value` (constant, formula or function)."""
+        return tuple(n for n, (f, _) in specs(type(self)).items() if f.type == Value)
 
     def parameters(self) -> dict[str, Any]:
         """Parameter values by name."""

@@ -29,6 +29,8 @@ class ConstitutiveModel(Component):
         Energy dissipated so far per initial volume [J/m^3], a function of state and parameters.
     diffusivity : Kernel, optional
         Kinematic viscosity [m^2/s] that limits an explicit time step, for viscous laws.
+    yield_function : Kernel, optional
+        Of stress and state [Pa]: negative inside the yield surface, zero on it; the conformance suite checks that it is never positive.
     bar_stress, bar_wave_speed, bar_energy, bar_dissipation : Kernel, optional
         The same under uniaxial stress (a slender bar in 1D, ``Grid(..., lateral="stress")``): F, L and stress keep
         their shapes, only the xx components count.
@@ -43,6 +45,7 @@ class ConstitutiveModel(Component):
     energy: ClassVar[Kernel | None] = None
     dissipation: ClassVar[Kernel | None] = None
     diffusivity: ClassVar[Kernel | None] = None
+    yield_function: ClassVar[Kernel | None] = None
     bar_stress: ClassVar[Kernel | None] = None
     bar_wave_speed: ClassVar[Kernel | None] = None
     bar_energy: ClassVar[Kernel | None] = None

@@ -1,0 +1,90 @@
+"""Rigid walls on faces of the domain."""
+
+import mpmkit as mpm
+from mpmkit.math import sqrt
+from mpmkit_boundaries.faces import FACES, resolve
+
+
+@mpm.kernel
+def clamp(v):
+    """v = 0."""
+    return (0.0 * v[0], 0.0 * v[1], 0.0 * v[2])
+
+
+@mpm.kernel
+def block(v, normal):
+    """No velocity into the wall: v - max(v . n, 0) n."""
+    v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
+    v_n = max(v_n, 0.0 * v_n)
+    return (v[0] - v_n * normal[0], v[1] - v_n * normal[1], v[2] - v_n * normal[2])
+
+
+@mpm.kernel
+def hold(v, normal):
+    """No normal velocity: v - (v . n) n."""
+    v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
+    return (v[0] - v_n * normal[0], v[1] - v_n * normal[1], v[2] - v_n * normal[2])
+
+
+@mpm.kernel
+def coulomb(v, normal, dv_n, friction):
+    """Coulomb friction: the tangential velocity loses at most friction times the normal velocity taken by the wall."""
+    v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
+    tx = v[0] - v_n * normal[0]
+    ty = v[1] - v_n * normal[1]
+    tz = v[2] - v_n * normal[2]
+    slip = sqrt(tx * tx + ty * ty + tz * tz)
+    loss = 0.0 * slip
+    if slip > 0.0:
+        loss = min(friction * max(dv_n, 0.0 * dv_n), slip) / slip
+    return (v[0] - loss * tx, v[1] - loss * ty, v[2] - loss * tz)
+
+
+@mpm.define
+class Wall(mpm.BoundaryLayer):
+    """A rigid wall on faces of the domain: no slip (v = 0), slip (v . n = 0) or Coulomb friction.
+
+    A wall with no slip clamps what touches it; slip and frictional walls let a body separate (v . n <= 0, n out of
+    the domain) unless ``separates = False``. The wall acts on the nodes of its face, so a body feels it from a
+    distance of up to one cell (linear functions) as soon as it moves towards it.
+    """
+
+    references = ("Chen and Brannon (2002), SAND2002-0482, section 2, essential boundary conditions",)
+    faces: tuple[str, ...] = mpm.parameter("faces of the domain", choices=("all", *FACES), default=("all",), example="all")
+    condition: str | None = mpm.parameter(
+        "what the wall does; by default friction if a coefficient is given, else no slip", choices=("no slip", "slip", "friction"), default=None
+    )
+    friction: float | None = mpm.parameter("coefficient of Coulomb friction", ge=0.0, default=None, example=0.3)
+    separates: bool | None = mpm.parameter("whether bodies can lift off; by default yes, except with no slip", default=None)
+
+    def check(self):
+        if self.condition in ("no slip", "slip") and self.friction is not None:
+            raise mpm.ParameterError(
+                f"Wall.friction = {self.friction:g} would be ignored with condition {self.condition!r}; "
+                "leave it out, or use condition='friction'"
+            )
+        if self.condition == "friction" and self.friction is None:
+            raise mpm.ParameterError("Wall.friction is required with condition='friction', for example 0.3")
+        if self.mode == "no slip" and self.separates:
+            raise mpm.ParameterError("Wall.separates = true does not work with 'no slip', which clamps; use a frictional wall")
+
+    @property
+    def mode(self):
+        return self.condition or ("no slip" if self.friction is None else "friction")
+
+    @property
+    def bilateral(self):
+        return self.mode == "no slip" or (self.mode == "slip" and self.separates is False)
+
+    @property
+    def constrain(self):
+        if self.mode == "no slip":
+            return clamp
+        return hold if self.separates is False else block
+
+    @property
+    def rub(self):
+        return coulomb if self.mode == "friction" else None
+
+    def faces_of(self, grid):
+        return resolve(self.faces, grid, "Wall.faces")

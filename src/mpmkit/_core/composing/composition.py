@@ -1,0 +1,123 @@
+"""What is composed: the components of a simulation, sorted into roles, and its bodies into groups of one law."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from mpmkit._core.composing.jit import plain
+from mpmkit._core.composing.layout import ParticleLayout
+from mpmkit.fields import Field
+from mpmkit.interfaces import BoundaryLayer, Component, ConstitutiveModel, ContactAlgorithm, Effect, Integrator, ShapeFunction
+from mpmkit.interfaces.recipe import Recipe
+from mpmkit.kernels import Kernel
+
+if TYPE_CHECKING:
+    from mpmkit.simulation import Simulation
+
+LAW_HOOKS = ("stress", "wave_speed", "energy", "dissipation", "diffusivity")
+
+
+@attrs.define(eq=False)
+class Group:
+    """Bodies that share kernels and layout, so that they share compiled loops; parameters may differ."""
+
+    name: str
+    material: ConstitutiveModel
+    hooks: dict[str, Kernel]
+    state: tuple[Field, ...]
+    layout: ParticleLayout
+    bodies: list[int] = attrs.field(factory=list)
+
+
+@attrs.define(eq=False)
+class Composition:
+    """Components of one simulation in the order the scheduler looks at them."""
+
+    sim: Simulation
+    shape: ShapeFunction | None
+    integrator: Integrator | None
+    transfer: Any
+    discretization: Any
+    effects: dict[str, Effect]
+    layers: dict[str, BoundaryLayer]
+    contact: ContactAlgorithm | None
+    groups: list[Group]
+    verbs: list[str]
+
+    @property
+    def grid(self) -> Any:
+        return self.sim.grid
+
+    @property
+    def dim(self) -> int:
+        return int(self.grid.dim)
+
+    @property
+    def stored_operator(self) -> bool:
+        return self.discretization is not None and self.discretization.operator == "stored"
+
+    @property
+    def reference(self) -> bool:
+        return self.discretization is not None and self.discretization.configuration == "reference"
+
+    def roles(self, material: ConstitutiveModel | None = None) -> dict[str, Component]:
+        """Components by role; the generated names are made from the roles."""
+        out: dict[str, Any] = {"material": material, "shape": self.shape, "transfer": self.transfer, "contact": self.contact}
+        return {k: v for k, v in (out | self.effects | self.layers).items() if v is not None}
+
+    def group_of(self, body: int) -> Group:
+        return next(g for g in self.groups if body in g.bodies)
+
+
+def law(material: ConstitutiveModel, bar: bool) -> dict[str, Kernel]:
+    """The kernels of a constitutive model, those for uniaxial stress if `bar`."""
+    prefix = "bar_" if bar else ""
+    found = {hook: getattr(material, prefix + hook, None) for hook in LAW_HOOKS}
+    if bar:
+        found["diffusivity"] = material.diffusivity
+    return {hook: k for hook, k in found.items() if k is not None}
+
+
+def collect(sim: Simulation) -> Composition:
+    """Sort the components of `sim`; nothing is checked here (see `contract`)."""
+    grid = sim.grid
+    bar = grid.lateral == "stress"
+    space = "bar" if bar else grid.space
+    groups: dict[Any, Group] = {}
+    for k, body in enumerate(sim.bodies):
+        hooks = law(body.material, bar)
+        key = (type(body.material), *(id(plain(h)) for h in hooks.values()))
+        if key not in groups:
+            name = type(body.material).__name__
+            same = sum(g.name.split("_")[0] == name for g in groups.values())
+            groups[key] = Group(
+                name if not same else f"{name}_{same + 1}", body.material, hooks, tuple(body.material.state), ParticleLayout(space, grid.dim)
+            )
+        groups[key].bodies.append(k)
+    recipe = Recipe()
+    stepper = sim.discretization if sim.discretization is not None else sim.integrator
+    stepper.step(recipe)
+    return Composition(
+        sim=sim,
+        shape=sim.shape,
+        integrator=sim.integrator,
+        transfer=getattr(sim.integrator, "transfer", None),
+        discretization=sim.discretization,
+        effects=_named(sim.effects),
+        layers=_named(sim.boundaries),
+        contact=sim.contacts[0] if sim.contacts else None,
+        groups=list(groups.values()),
+        verbs=recipe.verbs,
+    )
+
+
+def _named(components: list[Any]) -> dict[str, Any]:
+    """Unique lower-case names: gravity, wall, wall_2 ..."""
+    out: dict[str, Any] = {}
+    for component in components:
+        name = type(component).__name__
+        n = sum(type(c) is type(component) for c in out.values())
+        out[name if not n else f"{name}_{n + 1}"] = component
+    return out

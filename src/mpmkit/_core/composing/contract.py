@@ -1,0 +1,126 @@
+"""Checks a composition before anything is generated: what cannot work is refused, with the reason and ways out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmkit._core.composing.composition import Composition
+from mpmkit.errors import CompositionError
+from mpmkit.interfaces import BoundaryLayer, Component
+
+
+def check(c: Composition) -> list[str]:
+    """Refuse what does not work; return warnings about what is doubtful.
+
+    Raises
+    ------
+    CompositionError
+        Who conflicts with whom, and what to do.
+    """
+    sim = c.sim
+    if not sim.bodies:
+        raise CompositionError("the simulation has no body; add one with sim += mpm.Body(geometry, material)")
+    if len(sim.contacts) > 1:
+        raise CompositionError(f"one contact algorithm acts on all bodies, got {', '.join(type(k).__name__ for k in sim.contacts)}; keep one")
+    for component in _all(c):
+        _check_space(c, component)
+        if sim.precision not in component.precisions:
+            raise CompositionError(f"{type(component).__name__} works in {', '.join(component.precisions)} only, not in {sim.precision}; set precision accordingly")
+    _check_bar(c)
+    _check_axis(c)
+    _check_layers(c)
+    _check_values(c)
+    if c.stored_operator:
+        _check_stored(c)
+    if getattr(c.integrator, "mass", "lumped") == "consistent":
+        _check_consistent(c)
+    return []
+
+
+def _all(c: Composition) -> list[Component]:
+    parts: list[Any] = [c.shape, c.integrator, c.transfer, c.discretization, c.contact, *c.effects.values(), *c.layers.values()]
+    return [p for p in [*parts, *(b.material for b in c.sim.bodies)] if p is not None]
+
+
+def _check_space(c: Composition, component: Component) -> None:
+    if c.grid.space not in component.spaces:
+        from mpmkit._core.registry import registry
+
+        others = [e.name for e in registry().of(component.kind).values() if c.grid.space in e.component.spaces]
+        raise CompositionError(
+            f"{type(component).__name__} ({component.kind}) does not work in a grid that is {c.grid.space}; it works in {', '.join(component.spaces)}. "
+            f"To fix: one of {', '.join(sorted(others)) or 'no other'} , or another grid"
+        )
+
+
+def _check_bar(c: Composition) -> None:
+    if c.grid.lateral != "stress":
+        return
+    for body in c.sim.bodies:
+        if body.material.bar_stress is None:
+            raise CompositionError(
+                f"{type(body.material).__name__} has no form for uniaxial stress, which Grid(lateral='stress') asks for; use lateral='strain' or a law that has one"
+            )
+
+
+def _check_axis(c: Composition) -> None:
+    if c.grid.space == "axisymmetric" and c.grid.lower[0] == 0.0:
+        held = [layer for layer in c.layers.values() if "xmin" in layer.faces_of(c.grid) and layer.bilateral]
+        if not held:
+            raise CompositionError("an axisymmetric grid that begins at r = 0 needs v_r = 0 on the axis; add mpmkit.boundaries.Symmetry('xmin')")
+
+
+def _check_layers(c: Composition) -> None:
+    from mpmkit.errors import did_you_mean
+
+    names = [c.sim.body_name(b) for b in c.sim.bodies]
+    for layer in c.layers.values():
+        layer.faces_of(c.grid)
+        body = getattr(layer, "body", None)
+        if body is not None and body not in names:
+            raise CompositionError(f"{type(layer).__name__}.body: no body is named {body!r}{did_you_mean(body, names)}; bodies: {', '.join(names)}")
+        face = getattr(layer, "face", None)
+        if face is not None and face not in c.grid.faces:
+            raise CompositionError(f"{type(layer).__name__}.face: the {c.dim}D grid has no {face!r}; it has {', '.join(c.grid.faces)}")
+
+
+def _check_values(c: Composition) -> None:
+    """Vectors must have as many components as space has dimensions."""
+    from mpmkit.expression import as_function
+    from mpmkit.parameters import Vector, specs
+
+    for component in [*c.effects.values(), *c.layers.values()]:
+        for name, (attribute, _) in specs(type(component)).items():
+            value = getattr(component, name)
+            if name in component.values:
+                as_function(value, c.dim)
+            elif attribute.type == Vector and value is not None and len(value) != c.dim:
+                raise CompositionError(f"{type(component).__name__}.{name} must have {c.dim} component(s) in a {c.dim}D grid, got {len(value)}: {value}")
+
+
+def _check_stored(c: Composition) -> None:
+    name = type(c.discretization).__name__
+    if c.contact is not None:
+        raise CompositionError(f"{name} does not offer contact: {type(c.contact).__name__} works between MPM bodies; leave it out or use MPM")
+    if c.sim.shape is not None or c.sim.integrator is not None:
+        raise CompositionError(f"{name} brings its own shape functions and time integration; leave shape and integrator out")
+
+
+def _check_consistent(c: Composition) -> None:
+    if c.contact is not None:
+        raise CompositionError("mass='consistent' does not work with contact, which acts on lumped nodes; use mass='lumped'")
+    if c.transfer is not None and c.transfer.passes > 1:
+        raise CompositionError(f"mass='consistent' does not work with {type(c.transfer).__name__}; use FLIP, PIC, APIC or TPIC, or mass='lumped'")
+    if "velocity" in c.verbs:
+        raise CompositionError(f"mass='consistent' works with USL and MUSL, not with {type(c.integrator).__name__}, which strains before the momentum update")
+    for layer in c.layers.values():
+        if layer.constrain is not None and not (layer.bilateral and layer.faces_of(c.grid)):
+            raise CompositionError(
+                f"mass='consistent' needs conditions that always hold on faces; {type(layer).__name__} lets bodies separate, rubs, or acts in a region. "
+                "Use Symmetry, a wall with no slip, or mass='lumped'"
+            )
+
+
+def layers_by_faces(layers: dict[str, BoundaryLayer], grid: Any) -> dict[str, tuple[str, ...]]:
+    """Faces each layer acts on, for `explain`."""
+    return {role: layer.faces_of(grid) for role, layer in layers.items()}

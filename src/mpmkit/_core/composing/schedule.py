@@ -1,0 +1,130 @@
+"""From a recipe of verbs to phases: neighbouring verbs over particles are fused, absent components leave no phase."""
+
+from __future__ import annotations
+
+from math import comb
+
+import attrs
+
+from mpmkit._core.composing.composition import Composition
+from mpmkit.errors import CompositionError
+
+PARTICLE_VERBS = ("p2g", "forces", "g2p", "remap", "advect", "strain", "stress")
+
+
+@attrs.frozen
+class Phase:
+    """One phase of a step, as `explain` prints it and the engine runs it.
+
+    ``kind`` says over what it runs: "particles" (verbs fused into one loop per body), "loads" (a layer of particles),
+    "nodes" (a sweep over all active nodes), "boundary" (a list of nodes), "contact" (shared nodes) or "solve".
+    """
+
+    kind: str
+    name: str
+    verbs: tuple[str, ...] = ()
+    role: str = ""
+    channel: str = ""
+    number: float = 0.0
+    who: tuple[str, ...] = ()
+
+
+@attrs.define
+class Schedule:
+    """Phases of one step and the channels each verb works on."""
+
+    phases: list[Phase] = attrs.field(factory=list)
+    strain_channel: str = "v"
+    has_velocity: bool = False
+    contact_channels: list[str] = attrs.field(factory=list)
+
+
+def schedule(c: Composition, verbs: list[str]) -> Schedule:
+    """Walk through the verbs of a recipe."""
+    out = Schedule()
+    pending: list[str] = []
+    channel = "v_old"
+    loaded = {role: layer for role, layer in c.layers.items() if layer.load is not None}
+    noded = {role: layer for role, layer in c.layers.items() if layer.constrain is not None}
+
+    def flush() -> None:
+        if pending:
+            out.phases.append(Phase("particles", "_".join(pending), tuple(pending), who=tuple(_who(c, pending))))
+            if "forces" in pending:
+                for role in loaded:
+                    out.phases.append(Phase("loads", f"load_{role}", role=role, who=(role,)))
+            pending.clear()
+
+    def nodes(name: str, **more: object) -> None:
+        out.phases.append(Phase("nodes", name, **more))  # type: ignore[arg-type]
+
+    for verb in verbs:
+        if verb in PARTICLE_VERBS:
+            if verb == "strain":
+                if c.stored_operator:
+                    channel = "v"
+                out.strain_channel = channel
+            if verb == "remap":
+                pending.append(verb)
+                flush()
+                nodes("mapped_velocity", channel="v_map", who=(_name(c.integrator),))
+                channel = "v_map"
+            else:
+                pending.append(verb)
+            continue
+        flush()
+        if verb == "velocity":
+            nodes("velocity", channel="v_old", who=(_name(c.integrator),))
+            out.has_velocity = True
+            channel = "v_old"
+        elif verb == "carry":
+            nodes("carry", who=(_name(c.discretization),))
+            out.has_velocity = True
+        elif verb == "momentum":
+            consistent = getattr(c.integrator, "mass", "lumped") == "consistent"
+            if consistent:
+                out.phases.append(Phase("solve", "consistent_momentum", who=(_name(c.integrator),)))
+            else:
+                movers = [role for role, e in c.effects.items() if e.acceleration is not None]
+                nodes("momentum", who=(_name(c.integrator or c.discretization), *movers))
+            passes = c.transfer.passes if c.transfer is not None else 1
+            if passes > 1:
+                nodes("filter_start", number=float(passes), who=(_name(c.transfer),))
+                for r in range(2, passes + 1):
+                    out.phases.append(Phase("particles", "filter", ("filter",), who=(_name(c.transfer),)))
+                    nodes("filter_add", number=float((-1) ** (r + 1) * comb(passes, r)), who=(_name(c.transfer),))
+            channel = "v"
+        elif verb == "contact":
+            if c.contact is not None:
+                # before the momentum update is used, both the old and the new velocities become admissible
+                for one in ("v_old", "v") if channel == "v" and not out.has_velocity else (channel,):
+                    out.phases.append(Phase("contact", f"contact_{one}", channel=one, who=(_name(c.contact),)))
+                    out.contact_channels.append(one)
+        elif verb == "boundary":
+            for role in noded:
+                out.phases.append(Phase("boundary", f"{role}_{channel}", role=role, channel=channel, who=(role,)))
+                if channel == "v" and c.transfer is not None and c.transfer.passes > 1:
+                    out.phases.append(Phase("boundary", f"{role}_v_smooth", role=role, channel="v_smooth", who=(role,)))
+        else:
+            raise CompositionError(f"the recipe of {_name(c.integrator)} has an unknown verb {verb!r}")
+    flush()
+    return out
+
+
+def _name(component: object) -> str:
+    return type(component).__name__
+
+
+def _who(c: Composition, verbs: list[str]) -> list[str]:
+    """Components that contribute to a loop, for `explain`."""
+    who: list[str] = []
+    if not c.stored_operator:
+        who.append(_name(c.shape))
+    if {"p2g", "g2p", "remap"} & set(verbs) and c.transfer is not None:
+        who.append(_name(c.transfer))
+    if "forces" in verbs:
+        who += [role for role, e in c.effects.items() if e.body_force is not None]
+    if "stress" in verbs:
+        who += [g.name for g in c.groups]
+        who += [role for role, e in c.effects.items() if e.viscous_pressure is not None]
+    return who

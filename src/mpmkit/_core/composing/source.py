@@ -1,0 +1,209 @@
+"""Text of one loop: local names for fields and parameters, calls of kernels with their arguments resolved by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import attrs
+
+from mpmkit._core.composing.composition import Composition, Group
+from mpmkit._core.composing.layout import LANES
+from mpmkit.errors import FieldContractError, did_you_mean
+from mpmkit.fields import KERNEL_ARGUMENTS, PARTICLE_FIELDS
+from mpmkit.kernels import Kernel
+
+AXES = range(3)
+
+
+@attrs.define(eq=False)
+class Parameters:
+    """Run-time parameters of one kind of loop: slot number -> how to get the number from the components by role."""
+
+    slots: dict[str, int] = attrs.field(factory=dict)
+    getters: list[Callable[[dict[str, Any]], float]] = attrs.field(factory=list)
+
+    def slot(self, name: str, getter: Callable[[dict[str, Any]], float]) -> int:
+        if name not in self.slots:
+            self.slots[name] = len(self.getters)
+            self.getters.append(getter)
+        return self.slots[name]
+
+    def values(self, roles: dict[str, Any], dtype: type) -> Any:
+        import numpy as np
+
+        return np.array([getter(roles) for getter in self.getters] or [0.0], dtype=dtype)
+
+
+@attrs.define(eq=False)
+class Names:
+    """All global names of the generated module: component functions by the name they have in its text."""
+
+    functions: dict[str, Any] = attrs.field(factory=dict)
+
+    def of(self, name: str, function: Any) -> str:
+        """Register a component function under `name` (made unique), return the name."""
+        for known, f in self.functions.items():
+            if f is function:
+                return known
+        unique, n = name, 2
+        while unique in self.functions:
+            unique, n = f"{name}_{n}", n + 1
+        self.functions[unique] = function
+        return unique
+
+
+class Text:
+    """Lines of a function under construction, in sections, and the names it has used."""
+
+    def __init__(self, composition: Composition, parameters: Parameters, names: Names) -> None:
+        self.composition = composition
+        self.parameters = parameters
+        self.names = names
+        self.used: dict[str, int] = {}  # local name of a parameter -> slot
+
+    # --- parameters ---------------------------------------------------------------------------------------------
+    def parameter(self, name: str, getter: Callable[[dict[str, Any]], float]) -> str:
+        self.used[name] = self.parameters.slot(name, getter)
+        return name
+
+    def parameter_lines(self) -> list[str]:
+        return [f"    {name} = par[{slot}]" for name, slot in self.used.items()]
+
+    # --- calls --------------------------------------------------------------------------------------------------
+    def call(self, hook: str, kernel: Kernel, role: str, group: Group | None, special: dict[str, str]) -> str:
+        """Text that calls a component's kernel, its arguments resolved by name."""
+        component = group.material if role == "material" and group is not None else self.composition.roles()[role]
+        name = self.names.of(f"{group.name}_{hook}" if role == "material" and group is not None else f"{role}_{hook}", kernel.function)
+        arguments = [self.argument(a, component, role, hook, special) for a in kernel.arguments]
+        return f"{name}({', '.join(arguments)})"
+
+    def argument(self, name: str, component: Any, role: str, hook: str, special: dict[str, str]) -> str:
+        if name in special:
+            return special[name]
+        if name in ("t", "dt"):
+            return name
+        if name == "h":
+            return self.parameter("h_min", lambda roles: roles["grid"].h)
+        if name == "dim":
+            return str(self.composition.dim)
+        value = getattr(component, name, None)
+        if isinstance(value, (bool, int, float)):
+            return self.parameter(f"{role}_{name}", lambda roles: float(getattr(roles[role], name)))
+        if name in getattr(component, "values", ()):
+            return self.value(name, component, role, special)
+        if isinstance(value, tuple) and all(isinstance(v, (int, float)) for v in value):
+            parts = [self.parameter(f"{role}_{name}_{k}", lambda roles, k=k: float(getattr(roles[role], name)[k])) for k in range(len(value))]  # type: ignore[misc]
+            return f"({', '.join(parts + ['zero'] * (3 - len(parts)))})"
+        found = self.field(name)
+        if found is None:
+            known = [*special, *PARTICLE_FIELDS, *KERNEL_ARGUMENTS, *vars(component)]
+            raise FieldContractError(
+                f"{type(component).__name__}: its kernel {hook!r} asks for {name!r}, which is no parameter, no state and no field "
+                f"of this composition{did_you_mean(name, known)}"
+            )
+        return found
+
+    def value(self, name: str, component: Any, role: str, special: dict[str, str]) -> str:
+        """A `Value` parameter: a constant vector, or a call of the user's function."""
+        from mpmkit.expression import as_function
+
+        made = as_function(getattr(component, name), self.composition.dim)
+        if callable(made):
+            function = self.names.of(f"{role}_{name}", made)
+            arguments = [self.argument(a, component, role, name, special) for a in made.__code__.co_varnames[: made.__code__.co_argcount]]
+            return f"{function}({', '.join(arguments)})"
+
+        def getter(roles: dict[str, Any], k: int) -> float:
+            constant = as_function(getattr(roles[role], name), self.composition.dim)
+            return float(constant[k])  # type: ignore[index]
+
+        parts = [self.parameter(f"{role}_{name}_{k}", lambda roles, k=k: getter(roles, k)) for k in AXES]  # type: ignore[misc]
+        return f"({', '.join(parts)})"
+
+    def field(self, name: str) -> str | None:
+        """Local name of a field, made available; None if this loop knows no such field."""
+        return None
+
+
+class ParticleLoop(Text):
+    """One loop over the particles of a body: gather from nodes, compute, scatter to nodes, store."""
+
+    def __init__(self, composition: Composition, parameters: Parameters, names: Names, group: Group) -> None:
+        super().__init__(composition, parameters, names)
+        self.group = group
+        self.dim = composition.dim
+        self.have: set[str] = set()
+        self.load: list[str] = []
+        self.gather_zero: list[str] = []
+        self.gather: list[str] = []
+        self.middle: list[str] = []
+        self.scatter: list[str] = []
+        self.store_lines: list[str] = []
+        self.in_middle = False
+        self.needs: set[str] = set()  # of "w", "g", "r", "moment"
+        self.titles: list[str] = []
+
+    # --- emitting -----------------------------------------------------------------------------------------------
+    def line(self, text: str) -> None:
+        (self.middle if self.in_middle else self.load).append(text)
+
+    def at(self, name: str, component: int = 0) -> str:
+        offset = (self.group.layout.start[name] + component) * LANES
+        return f"P[b + {offset}]" if offset else "P[b]"
+
+    def field(self, name: str) -> str | None:
+        layout = self.group.layout
+        if name not in PARTICLE_FIELDS and name not in layout.fields:
+            return None
+        if name not in self.have:
+            if name in layout.fields:
+                self._load(name)
+            elif name == "J" and "F" in layout.fields:
+                self.line(f"J = det({self.field('F')})")
+            elif name == "V":
+                self.line(f"V = {self.field('J')} * {self.field('V0')}")
+            elif name == "rho":
+                self.line(f"rho = {self.field('m')} / {self.field('V')}")
+            else:
+                return None
+            self.have.add(name)
+        return name
+
+    def _load(self, name: str) -> None:
+        layout = self.group.layout
+        field, stored = layout.fields[name], layout.stored(name)
+        if field.shape == "scalar":
+            self.line(f"{name} = {self.at(name)}")
+            return
+        full = {"vector": 3, "symmetric": 6, "tensor": 9}[field.shape]
+        parts = []
+        for k in range(full):
+            if k in stored:
+                self.line(f"{name}{k} = {self.at(name, stored.index(k))}")
+                parts.append(f"{name}{k}")
+            else:
+                diagonal = field.shape == "tensor" and k in (0, 4, 8) or field.shape == "symmetric" and k < 3
+                parts.append("one" if diagonal and field.initial == 1.0 else "zero")
+        self.line(f"{name} = ({', '.join(parts)})")
+
+    def unpack(self, name: str) -> None:
+        """Refresh the component locals of a vector field after its tuple was computed, and mark it for storing."""
+        self.store(name)
+
+    def store(self, name: str) -> None:
+        """Store the local `name` (a scalar, or a tuple in full form) at the end of the loop."""
+        layout = self.group.layout
+        if layout.fields[name].shape == "scalar":
+            self.store_lines.append(f"{self.at(name)} = {name}")
+        else:
+            for k, full in enumerate(layout.stored(name)):
+                self.store_lines.append(f"{self.at(name, k)} = {name}[{full}]")
+        self.have.add(name)
+
+    def forget(self, *names: str) -> None:
+        """Derived values that must be computed anew after F or J changed."""
+        self.have -= set(names)
+
+    def material(self, hook: str, special: dict[str, str] | None = None) -> str:
+        return self.call(hook, self.group.hooks[hook], "material", self.group, special or {})

@@ -1,0 +1,142 @@
+"""Read particles over time from our VTKHDF files, also while they grow.
+
+The file is opened anew for each look, so a reader never holds what the writer changes; a look that
+falls into the middle of a flush is repeated.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time as clock
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import attrs
+import numpy as np
+
+from mpmkit.errors import ResultsError
+
+T = TypeVar("T")
+_TRIES = 5
+_FORMATS = (1,)
+
+
+@attrs.frozen
+class Index:
+    """Where each frame lies.
+
+    Attributes
+    ----------
+    times : float64[T]
+        Simulated times [s].
+    steps : int64[T]
+        Step numbers.
+    first, count : int64[T]
+        First row in ``Points`` and number of particles.
+    """
+
+    times: np.ndarray
+    steps: np.ndarray
+    first: np.ndarray
+    count: np.ndarray
+
+
+class Reader:
+    """A result file that is read frame by frame.
+
+    Raises
+    ------
+    ResultsError
+        If the file is missing, truncated, or not one of ours; the message says which.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        check_ours(self.path)
+        self.layout: dict[str, Any] = self._look(lambda f: json.loads(f["mpmkit/layout"].asstr()[()]))
+        self.meta: dict[str, Any] = self._look(lambda f: json.loads(f["mpmkit/meta"].asstr()[()]))
+        self.scene: str | None = self._look(lambda f: f["mpmkit/scene"].asstr()[()].rstrip("\0") if "scene" in f["mpmkit"] else None)
+        self.names: tuple[str, ...] = ("x", *self.layout["fields"], *self.layout["static"])
+
+    def index(self) -> Index:
+        """The frames that are whole now."""
+
+        def read(file: Any) -> Index:
+            root, steps = file["VTKHDF"], file["VTKHDF/Steps"]
+            n = int(steps.attrs["NSteps"])
+            counts = root["NumberOfPoints"][:]
+            columns = [steps["Values"][:n], root["FieldData/step"][:n], steps["PointOffsets"][:n], counts[steps["PartOffsets"][:n]] if n else counts[:0]]
+            if any(len(c) != n for c in columns):
+                raise OSError("the tables of the steps are shorter than their counter")
+            return Index(*columns)
+
+        return self._look(read)
+
+    def array(self, frame: int, name: str, index: Index) -> np.ndarray:
+        """One array of one frame, (n,) or (n, ncomp), as stored."""
+
+        def read(file: Any) -> np.ndarray:
+            root = file["VTKHDF"]
+            stored = root["Points"] if name == "x" else root["PointData"][name]
+            fixed = root["Steps/PointDataOffsets"]
+            first = int(fixed[name][frame]) if name in fixed else int(index.first[frame])
+            rows: np.ndarray = stored[first : first + int(index.count[frame])]
+            if len(rows) != index.count[frame]:
+                raise OSError(f"{name} of frame {frame} is shorter than it should be")
+            return rows
+
+        return self._look(read)
+
+    def scalars(self, frame: int) -> dict[str, float]:
+        """The numbers given with one frame."""
+        return self._look(lambda f: {k: f["VTKHDF/FieldData"][k][frame].item() for k in self.layout["scalars"]})
+
+    def _look(self, read: Callable[[Any], T]) -> T:
+        import h5py
+
+        for attempt in range(_TRIES):
+            try:
+                with h5py.File(self.path, "r", locking=False) as file:
+                    return read(file)
+            except (OSError, KeyError, RuntimeError, ValueError, IndexError) as error:
+                reason = error
+                clock.sleep(0.02 * attempt)
+        if not self.path.exists():
+            raise ResultsError(f"{self.path} is gone: it was moved or deleted while it was being read")
+        raise ResultsError(f"{self.path} is damaged: {_plain(reason)}; copy it again from where it was written, or run the scene again")
+
+
+def check_ours(path: Path) -> None:
+    """Raise `ResultsError` unless `path` is a result file of mpmkit in a format known here."""
+    import h5py
+
+    if not path.exists():
+        raise ResultsError(f"{path}: no such result file; a run writes it where its Record says")
+    if not path.is_file():
+        raise ResultsError(f"{path} is not a file; give the .vtkhdf or .hdf file that a run has written")
+    size = path.stat().st_size
+    with path.open("rb") as start:
+        if start.read(8) != b"\x89HDF\r\n\x1a\n":
+            raise ResultsError(f"{path} is not a result file: {'it is empty' if size == 0 else 'it is no HDF5 file at all'}")
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            if "VTKHDF" not in file:
+                raise ResultsError(f"{path} is not a result file: an HDF5 file without the group /VTKHDF")
+            if "mpmkit" not in file or "format" not in file["mpmkit"].attrs:
+                kind = file["VTKHDF"].attrs.get("Type", b"?")
+                kind = kind.decode() if isinstance(kind, bytes) else kind
+                raise ResultsError(f"{path} is a VTKHDF file of another program (type {kind}): it has no group /mpmkit; open it in ParaView instead")
+            found = int(file["mpmkit"].attrs["format"])
+    except (OSError, RuntimeError, KeyError, ValueError) as error:
+        what = "truncated" if "truncated" in str(error) else "damaged"
+        raise ResultsError(f"{path} is {what} ({size} bytes): {_plain(error)}; copy it again from where it was written, or run the scene again") from error
+    if found not in _FORMATS:
+        raise ResultsError(f"{path} was written in format {found}, this mpmkit reads format {_FORMATS[-1]}; update mpmkit")
+
+
+def _plain(error: BaseException) -> str:
+    """The reason without HDF5's words around it."""
+    text = str(error).strip("'\"")
+    return text[text.find("(") + 1 : text.rfind(")")] if "(" in text and text.endswith(")") else text

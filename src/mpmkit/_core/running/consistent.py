@@ -1,0 +1,106 @@
+"""Momentum update with the consistent mass matrix, m_ij = sum_p m_p N_i N_j (SAND2002-0482 eq 1-14).
+
+Dense and for small problems: M a = f for the accelerations and M v = (mv) for the velocities, solved in the least
+squares sense, because with few particles the matrix is singular. Prescribed components enter as constraints.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmkit._core.running.engine import Engine
+from mpmkit.errors import CompositionError
+
+LARGEST = 3000
+
+
+class ConsistentMomentum:
+    """v_i^old and v_i after the update, written where the lumped update would write them."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+        e = engine
+        self.number = np.full(e.n_nodes, -1, dtype=np.int64)
+        per_particle = e.plan.operator.nodes**e.c.dim
+        self.rows, self.ws = np.zeros(per_particle, dtype=np.int64), np.zeros(per_particle, dtype=e.dtype)
+        self.x = e.node_positions()
+
+    def __call__(self, t: Any, dt: Any) -> None:
+        e, dim = self.engine, self.engine.c.dim
+        layout, G = e.plan.node_layout, e.fields[0].G.reshape(-1, e.channels)
+        active = np.flatnonzero(G[:, 0] > e.m_small)
+        if active.size > LARGEST:
+            raise CompositionError(f"mass='consistent' is dense and allowed up to {LARGEST} occupied nodes; this scene has {active.size}. Use mass='lumped'")
+        M = self._matrix(active, t, dt)
+        old, new = layout.start["v_old"], layout.start["v"]
+        f_ext = layout.start.get("f_ext")
+        for a in range(dim):
+            momentum, force = G[active, old + a].astype(float), G[active, new + a].astype(float)
+            for effect in e.c.effects.values():
+                if effect.acceleration is not None:
+                    force += M.sum(axis=1) * self._acceleration(effect, active, a, float(t))
+            held, value = self._held(active, a)
+            free = ~held
+            v_old, v = value.copy(), value.copy()
+            v_old[free] = _solve(M[np.ix_(free, free)], momentum[free] - M[np.ix_(free, held)] @ value[held])
+            v[free] = v_old[free] + float(dt) * _solve(M[np.ix_(free, free)], force[free])
+            e.work[5 + a] += float((M[held] @ (v - v_old)).sum() - float(dt) * force[held].sum())
+            if f_ext is not None:
+                e.work[0] += 0.5 * float(dt) * float(G[active, f_ext + a] @ (v + v_old))
+                e.work[8 + a] += float(dt) * float(G[active, f_ext + a].sum())
+            G[active, old + a], G[active, new + a] = v_old, v
+
+    def _matrix(self, active: Any, t: Any, dt: Any) -> Any:
+        e = self.engine
+        self.number[:] = 0
+        self.number[active] = np.arange(active.size)
+        M = np.zeros((active.size, active.size), dtype=e.dtype)
+        for k, s in enumerate(e.stores):
+            getattr(e.module, f"mass_matrix_{s.group.name}")(*e._particle_arguments(k), M, self.number, self.rows, self.ws, t, dt)
+        return M.astype(float)
+
+    def _acceleration(self, effect: Any, active: Any, a: int, t: float) -> Any:
+        g = getattr(effect, "g", None)
+        if g is None:
+            raise CompositionError(f"mass='consistent' works with Gravity and BodyForce; {type(effect).__name__} changes nodal accelerations. Use mass='lumped'")
+        return g[a]
+
+    def _held(self, active: Any, a: int) -> tuple[Any, Any]:
+        """Which nodes have component `a` prescribed, and its value: what `constrain` returns whatever it is given."""
+        e = self.engine
+        held, value = np.zeros(active.size, dtype=bool), np.zeros(active.size)
+        place = {int(i): k for k, i in enumerate(active)}
+        for layer in e.c.layers.values():
+            if layer.constrain is None:
+                continue
+            numbers, normals = e._face_nodes(layer.faces_of(e.c.grid))
+            for i, n in zip(numbers, normals, strict=True):
+                if int(i) not in place:
+                    continue
+                probes = [self._constrain(layer, v, n) for v in ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))]
+                if abs(probes[0][a] - probes[1][a]) < 0.5:
+                    held[place[int(i)]] = True
+                    value[place[int(i)]] = probes[0][a]
+        return held, value
+
+    def _constrain(self, layer: Any, v: tuple[float, ...], n: Any) -> Any:
+        special = {"v": v, "normal": tuple(float(c) for c in n)}
+        try:
+            return layer.constrain(*(special[name] if name in special else self._constant(layer, name) for name in layer.constrain.arguments))
+        except KeyError as error:
+            raise CompositionError(f"mass='consistent' needs constant conditions; {type(layer).__name__} asks for {error}. Use mass='lumped'") from None
+
+    def _constant(self, layer: Any, name: str) -> Any:
+        from mpmkit.expression import as_function
+
+        value = as_function(getattr(layer, name), self.engine.c.dim)
+        if callable(value):
+            raise KeyError(f"a {name} that varies")
+        return value
+
+
+def _solve(A: Any, b: Any) -> Any:
+    """Least-squares solution of smallest norm; singular values below 1e-10 of the largest are dropped."""
+    return np.linalg.lstsq(A, b, rcond=1e-10)[0] if b.size else b

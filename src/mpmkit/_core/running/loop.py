@@ -1,0 +1,332 @@
+"""The run loop: steps, landing on the times of frames, history, checkpoints, and what is left when a run fails."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+import warnings
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import mpmkit
+from mpmkit._core.composing import contract
+from mpmkit._core.composing.composition import collect
+from mpmkit._core.composing.plan import make_plan
+from mpmkit._core.running import checkpoint, guards, timestep
+from mpmkit._core.running.engine import Engine
+from mpmkit._core.running.ledger import COLUMNS, Ledger
+from mpmkit._core.running.progress import Reporter
+from mpmkit._core.running.recorder import Recorder
+from mpmkit._core.running.store import BodyStore
+from mpmkit.errors import CompositionError, MpmkitError, ResultsError, StabilityError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from os import PathLike
+
+    from mpmkit.results import Results
+    from mpmkit.simulation import Simulation
+
+SNAPSHOT_SECONDS = 0.5  # wall time between copies of the state in memory, the last good state of a failing run
+CREATED_WARN, CREATED_STOP = 0.05, 1.0  # energy out of nothing, relative to the largest energy of the run
+COLLAPSE = 1e-6  # smallest time step relative to the first
+
+
+class Run:
+    """A composed simulation and where it stands."""
+
+    def __init__(self, sim: Simulation) -> None:
+        self.sim = sim
+        composition = collect(sim)
+        self.warnings = contract.check(composition)
+        points = self._sample(composition)
+        self.plan = make_plan(composition)
+        dtype = self.plan.dtype
+        stores = [
+            BodyStore(composition.group_of(k), sim.body_name(b), p, b.material.rho, dtype) for k, (b, p) in enumerate(zip(sim.bodies, points, strict=True))
+        ]
+        if self.plan.composition.shape is not None:
+            self._check_sizes(stores)
+        self.n_particles = sum(s.n for s in stores)
+        self._stores = stores
+        self._engine: Engine | None = None
+        self.rows: list[dict[str, float]] = []
+        self.frames: list[tuple[float, int, dict[str, Any]]] = []
+        self.recorders: list[Recorder] = []
+        self.first_dt = 0.0
+        self.limit: timestep.Limit | None = None
+        self._warned = False
+        self._stop = self._warm = False
+
+    # --- composing ----------------------------------------------------------------------------------------------
+    def _sample(self, c: Any) -> list[Any]:
+        sim = self.sim
+        if c.stored_operator:
+            return [c.discretization.mesh(sim.grid, b) for b in sim.bodies]
+        points = [b.sample(sim.grid) for b in sim.bodies]
+        from mpmkit.bodies import overlapping
+
+        for a in range(len(points)):
+            for b in range(a):
+                if overlapping(points[a], points[b]).size:
+                    names = f"{sim.body_name(sim.bodies[b])!r} and {sim.body_name(sim.bodies[a])!r}"
+                    self.warnings.append(f"bodies {names} overlap at the start: their particles stand closer than their sizes allow; mass is counted twice there")
+        return points
+
+    def _check_sizes(self, stores: list[BodyStore]) -> None:
+        """Particles larger than a cell leave gaps; larger than the shape function reaches they are refused."""
+        shape, grid = self.plan.composition.shape, self.sim.grid
+        assert shape is not None
+        for store in stores:
+            half = float((store.points.size / np.asarray(grid.spacing)).max())
+            if shape.particle_size != "none" and half > shape.max_half * (1 + 1e-9):
+                raise CompositionError(
+                    f"body {store.name!r}: particles are {2 * half:.3g} cells wide, {type(shape).__name__} allows {2 * shape.max_half:g}; "
+                    "use more particles per cell or a coarser grid"
+                )
+            if half > 0.5 * (1 + 1e-9):
+                self.warnings.append(f"body {store.name!r}: particles are {2 * half:.3g} cells wide, so cells between them stay empty and the body may fall apart")
+
+    @property
+    def engine(self) -> Engine:
+        """The engine; made, compiled and started at first use."""
+        if self._engine is None:
+            self._engine = Engine(self.plan, self._stores)
+            self._engine.start()
+            self.ledger = Ledger(self._engine)
+            self.rows.append(self.ledger.row(0.0))
+        return self._engine
+
+    # --- running ------------------------------------------------------------------------------------------------
+    def to(self, until: float, *, quiet: bool = False) -> Results:
+        """Step to `until`; see `Simulation.run`."""
+        fresh = not self.recorders and bool(self.sim.records)
+        if fresh:
+            for record in self.sim.records:
+                Recorder.claim(record)  # refuse existing results before a long compilation
+        reporter = Reporter(until, self.n_particles, quiet=quiet, start_time=self._engine.t if self._engine else 0.0, start_step=self._engine.step_number if self._engine else 0)
+        if not self._warm:
+            with reporter.compiling():
+                self._warm_up()
+        engine = self.engine
+        try:
+            guards.check(engine)
+            if fresh:
+                self.recorders = [Recorder(r, self) for r in self.sim.records]
+            if not self.sim.records and not self.frames:
+                self.frames.append((engine.t, engine.step_number, self.frame()))
+            self._loop(until, reporter)
+        except BaseException as error:
+            reporter.stop()
+            self._leave(error)
+            raise
+        if not self.sim.records:
+            self.frames.append((engine.t, engine.step_number, self.frame()))
+        momentum = self.momentum_error()
+        files = [path for r in self.recorders for path in r.files()]
+        reporter.finish(engine.clocks, balance=self.ledger.last["balance"], momentum_error=momentum, files=files)
+        return self.results()
+
+    def _warm_up(self) -> None:
+        """Compile everything before the clock of the run starts: one step of length zero, then the state as it was."""
+        engine = self.engine
+        self._warm = True
+        t, step = engine.t, engine.step_number
+        saved = {name: array.copy() for name, array in engine.state().items()}
+        engine.step(0.0)
+        engine.ledger()
+        engine.restore(saved, t, step)
+        engine.clocks.clear()
+        engine.flags[:] = -1
+
+    def _loop(self, until: float, reporter: Reporter) -> None:
+        engine = self.engine
+        every = min((r.record.history for r in self.recorders), default=10)
+        if engine.t >= until:
+            return
+        self._snapshot()
+        next_snapshot = time.perf_counter() + SNAPSHOT_SECONDS
+        with self._interruptible():
+            while engine.t < until:
+                self.limit = timestep.next_step(engine)
+                target = min([until, *(r.next_time(engine.t) for r in self.recorders)])
+                dt = timestep.land(engine.t, self.limit.dt, target)
+                self.first_dt = self.first_dt or self.limit.dt
+                if not self.limit.dt > COLLAPSE * self.first_dt:
+                    raise StabilityError(
+                        f"the time step collapsed to {self.limit.dt:.3g} s (first one {self.first_dt:.3g} s) at step {engine.step_number}, t = {engine.t:.6g} s; "
+                        f"limited by {self.limit.rule}. To fix: look at the body named there, lower cfl, or refine the grid"
+                    )
+                engine.outs[:, 0:2] = 0.0
+                engine.step(dt)
+                guards.check(engine)
+                arrived = engine.t >= target * (1.0 - 1e-14) or dt == target - (engine.t - dt)
+                if arrived:
+                    engine.t = target  # frames lie on their times exactly
+                due = [r for r in self.recorders if arrived and r.due(engine.t, until)]
+                if engine.step_number % every == 0 or due or engine.t >= until:
+                    self.rows.append(self.ledger.row(dt))
+                    self._energy_guard()
+                for r in self.recorders:
+                    r.after_step(engine.step_number, self.ledger.last, r in due)
+                reporter.update(engine.step_number, engine.t, dt, self.ledger.last["balance"])
+                if time.perf_counter() > next_snapshot:
+                    self._snapshot()
+                    next_snapshot = time.perf_counter() + SNAPSHOT_SECONDS
+                if self._stop:
+                    raise KeyboardInterrupt
+        for r in self.recorders:
+            r.checkpoint()
+
+    @contextmanager
+    def _interruptible(self) -> Iterator[None]:
+        """Ctrl-C takes effect between two steps, so that the state it leaves is whole; a second one at once."""
+        self._stop = False
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+
+        def stop(number: int, frame: Any) -> None:
+            if self._stop:
+                raise KeyboardInterrupt
+            self._stop = True
+
+        before = signal.signal(signal.SIGINT, stop)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def _energy_guard(self) -> None:
+        balance = self.ledger.last["balance"]
+        engine = self.engine
+        if not balance < CREATED_STOP:
+            raise StabilityError(
+                f"energy was created: {balance:.3g} times the largest energy of the run, at step {engine.step_number}, t = {engine.t:.6g} s. "
+                "To fix: lower cfl; with USL use MUSL; see the history for when it began"
+            )
+        if balance > CREATED_WARN and not self._warned:
+            self._warned = True
+            warnings.warn(f"energy is being created: balance {balance:+.2%} at step {engine.step_number}, t = {engine.t:.6g} s (lower cfl?)", stacklevel=4)
+
+    # --- last good state ----------------------------------------------------------------------------------------
+    def _snapshot(self) -> None:
+        """Copy the state into memory that was allocated once."""
+        state = self.engine.state()
+        if not hasattr(self, "_copy"):
+            self._copy = {name: array.copy() for name, array in state.items()}
+        for name, array in state.items():
+            self._copy[name][...] = array
+        self._copy_at = (self.engine.t, self.engine.step_number)
+
+    def _leave(self, error: BaseException) -> None:
+        """After a failure: the last good state, on disk where there is a record, in the simulation otherwise; the error says where."""
+        if not hasattr(self, "_copy"):
+            return
+        engine = self.engine
+        if not isinstance(error, KeyboardInterrupt) or not self._stop:
+            engine.restore(self._copy, *self._copy_at)
+            engine.flags[:] = -1
+        places = []
+        for r in self.recorders:
+            try:
+                places.append(str(r.checkpoint(always=True)))
+            except MpmkitError as second:
+                places.append(f"not written ({second})")
+        where = ", ".join(places) if places else "kept in this simulation (no Record was added)"
+        error.args = (f"{error.args[0] if error.args else 'interrupted'}\nlast good state: step {engine.step_number}, t = {engine.t:.6g} s, {where}", *error.args[1:])
+
+    def resume(self, path: str | PathLike[str]) -> None:
+        """Take the state of a checkpoint; see `Simulation.resume`."""
+        arrays, attributes = checkpoint.load(path)
+        mine = self.identity()
+        theirs = {k: attributes.get(k) for k in mine}
+        if theirs["mpmkit"] != mine["mpmkit"]:
+            raise ResultsError(f"{path}: written by mpmkit {theirs['mpmkit']}, this is {mine['mpmkit']}; resume with the version that wrote it")
+        if theirs != mine:
+            differ = [k for k in mine if theirs[k] != mine[k]]
+            raise ResultsError(f"{path}: checkpoint of another composition ({', '.join(differ)} differ); compose the simulation that wrote it")
+        engine = self.engine
+        engine.restore(arrays, float(attributes["t"]), int(attributes["step"]))
+        self.ledger.first_energy, self.ledger.scale = attributes["first_energy"], attributes["scale"]
+        self.first_dt = float(attributes["first_dt"])
+        self.rows = [dict(zip(COLUMNS, row, strict=True)) for row in attributes["rows"]] or self.rows
+        self.ledger.last = self.rows[-1]
+        self.recorders = [Recorder.resume(r, self, number) for r, number in zip(self.sim.records, attributes["frames"], strict=True)]
+
+    def identity(self) -> dict[str, Any]:
+        """What a checkpoint must agree with."""
+        from mpmkit._core.composing.fingerprint import fingerprint
+
+        plan = self.plan
+        parameters = [v.hex() for s, b in zip(self._stores, self.engine.body_par, strict=True) for v in map(float, b)]
+        return {
+            "mpmkit": mpmkit.__version__,
+            "kernels": fingerprint(plan.names.functions, plan.text),
+            "parameters": parameters,
+            "bodies": [s.name for s in self._stores],
+            "particles": [s.n for s in self._stores],
+        }
+
+    # --- what others read ---------------------------------------------------------------------------------------
+    def frame(self, fields: tuple[str, ...] | None = None) -> dict[str, Any]:
+        """All particles of all bodies: the given fields, by default those that all bodies have, and ``body``."""
+        stores = self._stores
+        names = fields or tuple(f for f in stores[0].available() if all(f in s.available() for s in stores))
+        out = {f: np.concatenate([s.get(f) for s in stores]) for f in names}
+        out["body"] = np.concatenate([np.full(s.n, k) for k, s in enumerate(stores)])
+        return out
+
+    def history(self) -> dict[str, Any]:
+        return {name: np.array([row[name] for row in self.rows]) for name in COLUMNS}
+
+    def momentum_error(self) -> float:
+        """Momentum that appeared without an impulse of forces or walls, relative to the sum of all momenta and impulses."""
+        first, last = self.rows[0], self.ledger.last
+        scale = sum(float((s.get("m")[:, None] * np.abs(s.get("v"))).sum()) for s in self._stores)
+        error = 0.0
+        for a in "xyz":
+            gained = last[f"momentum_{a}"] - first[f"momentum_{a}"]
+            given = last[f"impulse_{a}"] + last[f"force_impulse_{a}"]
+            scale = max(scale, abs(given))
+            error = max(error, abs(gained - given))
+        return error / scale if scale > 0.0 else 0.0
+
+    def meta(self) -> dict[str, Any]:
+        """Facts about the run for its result file."""
+        from mpmkit.fields import PARTICLE_FIELDS
+
+        grid = self.sim.grid
+        scene, reason = self.scene_text()
+        units = {n: f.unit for n, f in PARTICLE_FIELDS.items()} | {f.name: f.unit for s in self._stores for f in s.group.state}
+        return {
+            "scene": scene,
+            "scene_error": reason,
+            "bodies": [s.name for s in self._stores],
+            "ledger": list(COLUMNS),
+            "versions": {"mpmkit": mpmkit.__version__, "numpy": np.__version__},
+            "dim": grid.dim,
+            "space": grid.space,
+            "units": units,
+            "grid": {"lower": list(grid.lower), "upper": list(grid.upper), "spacing": list(grid.spacing)},
+        }
+
+    def scene_text(self) -> tuple[str | None, str]:
+        """The scene as TOML, or None and the reason why a file cannot hold it."""
+        from mpmkit.scene import dumps
+
+        try:
+            return dumps(self.sim), ""
+        except MpmkitError as error:
+            return None, str(error).split("\n")[0]
+
+    def results(self) -> Results:
+        from mpmkit.results import Results
+
+        if self.recorders:
+            return Results(self.recorders[0].record.path)
+        meta = self.meta()
+        return Results.in_memory(self.frames, self.history(), meta.pop("bodies"), scene=meta.pop("scene"), meta=meta)

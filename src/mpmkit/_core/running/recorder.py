@@ -1,0 +1,149 @@
+"""One record of a run at work: frames at their times, history rows, checkpoints."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmkit._core.running import checkpoint, paths
+from mpmkit._core.running.history import HistoryFile
+from mpmkit._core.running.ledger import COLUMNS
+from mpmkit._core.running.store import components_of
+from mpmkit._core.running.vtkhdf import ParticleFile
+from mpmkit.errors import FieldContractError, ResultsError, did_you_mean
+from mpmkit.record import Record
+
+if TYPE_CHECKING:
+    from mpmkit._core.running.loop import Run
+
+CHECKPOINT_SECONDS = 1.0  # least wall time between two checkpoints
+SCALARS = ("kinetic", "stored", "dissipated", "external_work", "energy", "balance")
+
+
+class Recorder:
+    """Writes what a `Record` asks for."""
+
+    def __init__(self, record: Record, run: Run, *, resumed: int | None = None) -> None:
+        self.record, self.run = record, run
+        stores = run._stores
+        for name in record.fields:
+            for s in stores:
+                if name not in s.available():
+                    raise FieldContractError(
+                        f"Record({record.path!r}): body {s.name!r} has no field {name!r}{did_you_mean(name, s.available())}; "
+                        f"it has {', '.join(s.available())}"
+                    )
+        self.names = tuple(f for f in record.fields if f != "x")
+        self.last_checkpoint = 0.0
+        self.saved_step = -1
+        self.row_step = -1
+        history = paths.history_path(record.path)
+        if resumed is None:
+            widths = {f: components_of(f, stores[0]) for f in self.names}
+            body = np.concatenate([np.full(s.n, k, dtype=np.int32) for k, s in enumerate(stores)])
+            static = {"body": body, "id": np.arange(body.size, dtype=np.int32)}
+            self.file = ParticleFile.create(record.path, widths, static, SCALARS, run.meta(), record.compress, record.overwrite)
+            self.history = HistoryFile.create(history, COLUMNS, overwrite=record.overwrite or history.exists())
+            self._row(run.ledger.last)
+            self._frame(run.ledger.last)
+            self.checkpoint(always=True)
+        else:
+            self.file = ParticleFile.reopen(record.path)
+            if self.file.n_frames < resumed:
+                raise ResultsError(f"{record.path}: has {self.file.n_frames} frames, the checkpoint was written after {resumed}; they do not belong together")
+            self.file.truncate(resumed)
+            self.history = HistoryFile.reopen(history, run.engine.step_number)
+
+    @staticmethod
+    def claim(record: Record) -> None:
+        """Refuse, before anything is compiled, a path that may not be written."""
+        if Path(record.path).exists() or not record.overwrite:
+            exists = Path(record.path).exists()
+            if exists and not record.overwrite:
+                paths.claim(record.path, overwrite=False)
+            elif not exists:
+                paths.claim(record.path, overwrite=True)
+
+    @classmethod
+    def resume(cls, record: Record, run: Run, frames: int) -> Recorder:
+        """Go on with existing files, cut back to what the checkpoint knew."""
+        return cls(record, run, resumed=frames)
+
+    # --- times --------------------------------------------------------------------------------------------------
+    def next_time(self, t: float) -> float:
+        """Next time of a frame after t; infinite if only start and end are kept."""
+        if self.record.every is None:
+            return math.inf
+        k = math.floor(t / self.record.every * (1.0 + 1e-12) + 1e-9) + 1
+        return k * self.record.every
+
+    def due(self, t: float, until: float) -> bool:
+        """Whether a frame belongs to this time."""
+        if t >= until:
+            return True
+        if self.record.every is None:
+            return False
+        k = round(t / self.record.every)
+        return abs(t - k * self.record.every) <= 1e-9 * self.record.every
+
+    def after_step(self, step: int, row: dict[str, float], due: bool) -> None:
+        if int(row["step"]) == step and step != self.row_step:
+            self._row(row)
+        if due:
+            self._frame(row)
+            self.checkpoint()
+
+    def _row(self, row: dict[str, float]) -> None:
+        self.history.append(row)
+        self.row_step = int(row["step"])
+
+    def _frame(self, row: dict[str, float]) -> None:
+        engine = self.run.engine
+        data = self.run.frame(("x", *self.names))
+        x = data.pop("x")
+        data.pop("body")
+        self.file.append(engine.t, engine.step_number, _three(x), {n: _three(v) if self._is_vector(n) else v for n, v in data.items()}, {s: row[s] for s in SCALARS})
+
+    def _is_vector(self, name: str) -> bool:
+        field = self.run._stores[0].layout.fields.get(name)
+        return field is not None and field.shape == "vector"
+
+    # --- checkpoints --------------------------------------------------------------------------------------------
+    def checkpoint(self, always: bool = False) -> Path:
+        """Write the state, unless the last checkpoint is younger than a second (`always`: unless it is this very state)."""
+        path = paths.checkpoint_path(self.record.path)
+        now, engine = time.perf_counter(), self.run.engine
+        if not self.record.checkpoint and not always or engine.step_number == self.saved_step:
+            return path
+        finished = always or now - self.last_checkpoint >= CHECKPOINT_SECONDS
+        if finished:
+            run = self.run
+            scene, reason = run.scene_text()
+            attributes: dict[str, Any] = run.identity() | {
+                "t": engine.t,
+                "step": engine.step_number,
+                "first_energy": run.ledger.first_energy,
+                "scale": run.ledger.scale,
+                "first_dt": run.first_dt,
+                "rows": [[row[c] for c in COLUMNS] for row in run.rows if row["step"] <= engine.step_number],
+                "frames": [sum(t <= engine.t for t in r.file.times) for r in run.recorders] if run.recorders else [1] * len(run.sim.records),
+                "scene": scene,
+                "scene_error": reason,
+            }
+            checkpoint.save(path, engine.state(), attributes)
+            self.last_checkpoint, self.saved_step = now, engine.step_number
+        return path
+
+    def files(self) -> list[Path]:
+        """What this record leaves on disk."""
+        found = [Path(self.record.path), paths.history_path(self.record.path), paths.checkpoint_path(self.record.path)]
+        return [p for p in found if p.exists()]
+
+
+def _three(x: Any) -> Any:
+    """Vectors with three columns, as files keep them."""
+    return np.pad(x, ((0, 0), (0, 3 - x.shape[1])))

@@ -1,0 +1,96 @@
+"""The particles of one body in memory: one packed buffer, seen from outside as plain arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mpmkit._core.composing.composition import Group
+from mpmkit._core.composing.layout import LANES
+from mpmkit.fields import PARTICLE_FIELDS
+
+FULL = {"scalar": 1, "vector": 3, "symmetric": 6, "tensor": 9}
+
+
+class BodyStore:
+    """Buffer, layout and accounts of one body.
+
+    Attributes
+    ----------
+    P : array
+        The packed buffer, tiles of 16 particles (see `mpmkit._core.composing.layout`).
+    out : float64[8]
+        Fastest signal, largest diffusivity, viscous dissipation, lowest and highest first coordinate.
+    flag : int64[4]
+        Number of a particle with J <= 0, and of one outside the domain; -1 if there is none.
+    """
+
+    def __init__(self, group: Group, name: str, points: Any, rho: float, dtype: type) -> None:
+        self.group, self.name, self.n = group, name, len(points.x)
+        self.layout = group.layout
+        self.tiles = (self.n + LANES - 1) // LANES
+        self.P = np.zeros(self.tiles * LANES * self.layout.size, dtype=dtype)
+        self.out = np.zeros(8)
+        self.flag = np.full(4, -1, dtype=np.int64)
+        self.points = points
+        self.operator: tuple[Any, ...] = ()
+        dim = self.layout.dim
+        initial: dict[str, Any] = {"x": points.x, "X": points.x, "v": points.v, "V0": points.V0, "m": rho * points.V0, "size": points.size}
+        if getattr(points, "F", None) is not None:
+            F = np.asarray(points.F).reshape(self.n, 9)
+            initial |= {"F": F, "J": np.linalg.det(F.reshape(-1, 3, 3))}
+        if getattr(points, "stress", None) is not None:
+            initial["stress"] = points.stress
+        for name_, field in self.layout.fields.items():
+            if name_ in initial:
+                self.set(name_, initial[name_])
+            elif field.initial:
+                value = np.zeros((self.n, FULL[field.shape]))
+                diagonal = {"tensor": (0, 4, 8), "symmetric": (0, 1, 2)}.get(field.shape, range(FULL[field.shape]))
+                value[:, list(diagonal)] = field.initial
+                self.set(name_, value[:, :dim] if field.shape == "vector" else value)
+
+    def _tiled(self) -> Any:
+        return self.P.reshape(self.tiles, self.layout.size, LANES)
+
+    def set(self, name: str, value: Any) -> None:
+        """Write a field from its full form: (n,), (n, dim), (n, 6) or (n, 9)."""
+        value = np.asarray(value).reshape(self.n, -1)
+        start, tiled = self.layout.start[name], self._tiled()
+        padded = np.zeros(self.tiles * LANES)
+        for k, full in enumerate(self.layout.stored(name)):
+            padded[: self.n] = value[:, full]
+            tiled[:, start + k, :] = padded.reshape(self.tiles, LANES)
+
+    def get(self, name: str) -> Any:
+        """A field in full form: scalars (n,), vectors (n, dim), symmetric tensors (n, 6), tensors (n, 9); V, J, rho are derived."""
+        if name not in self.layout.fields:
+            if name == "J":
+                return np.linalg.det(self.get("F").reshape(-1, 3, 3))
+            if name == "V":
+                return self.get("J") * self.get("V0")
+            if name == "rho":
+                return self.get("m") / self.get("V")
+            raise KeyError(name)
+        field = self.layout.fields[name]
+        start, stored = self.layout.start[name], self.layout.stored(name)
+        columns = self._tiled()[:, start : start + len(stored), :].transpose(0, 2, 1).reshape(-1, len(stored))[: self.n]
+        if field.shape == "scalar":
+            return columns[:, 0].copy()
+        width = self.layout.dim if field.shape == "vector" else FULL[field.shape]
+        full = np.zeros((self.n, width), dtype=self.P.dtype)
+        if field.initial and field.shape == "tensor":
+            full[:, [0, 4, 8]] = field.initial
+        full[:, list(stored)] = columns
+        return full
+
+    def available(self) -> list[str]:
+        """Names `get` answers to."""
+        return [*self.layout.fields, *(n for n in ("J", "V", "rho") if n not in self.layout.fields)]
+
+
+def components_of(name: str, store: BodyStore) -> int:
+    """Number of components of a field in its full form (vectors count 3: files keep three)."""
+    field = store.layout.fields.get(name) or PARTICLE_FIELDS[name]
+    return FULL[field.shape]

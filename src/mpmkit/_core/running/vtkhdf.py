@@ -1,0 +1,346 @@
+"""Write particles over time into one VTKHDF file (temporal PolyData) that VTK reads while it grows.
+
+Layout, for T frames and P *parts*; a part is one particle count, used again by every frame that has this count::
+
+    /VTKHDF                      @Version = (2, 0), @Type = "PolyData" (fixed-length ASCII: VTK 9.3 refuses anything else)
+      NumberOfPoints (P,)        Points (rows, 3)            frame after frame, three columns in every dimension
+      Vertices/...               one vertex cell per particle; Lines, Polygons, Strips are required and empty
+      PointData/NAME             (rows,) or (rows, ncomp); fixed arrays (body, id) are written again only when they change
+      FieldData/NAME (T,)        step and scalars of the run
+      Steps                      @NSteps = T: written last, so a frame is seen when it is whole
+        Values, PartOffsets, NumberOfParts, PointOffsets (T,), CellOffsets, ConnectivityIdOffsets (T, 4)
+        PointDataOffsets/NAME    of fixed arrays; the others follow PointOffsets
+    /mpmkit                      scene text and facts about the run (readers of VTKHDF ignore it)
+
+The file is written with old HDF5 objects (`libver` "earliest" to "v110") and without locks: newer objects or SWMR would
+keep VTK from reading it before the run has ended. Data are flushed before ``NSteps`` grows, so a killed run leaves all
+earlier frames readable. Where frames are compressed, each starts on a chunk boundary: a chunk that is
+written twice could be lost together with the earlier frame it holds.
+
+References
+----------
+VTK file formats, "VTKHDF", https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time as clock
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mpmkit._core.running.paths import claim
+from mpmkit._core.running.vtkhdf_tables import TOPOLOGIES, add_part, append_rows, create_tables, dataset, shrink_tables
+from mpmkit.errors import ResultsError
+
+FORMAT = 1
+"""Version of the group ``/mpmkit``."""
+SYNC_SECONDS = 60.0
+"""Seconds between two fsync calls; a killed process loses nothing, a power cut at most this much."""
+_HDF5 = {"libver": ("earliest", "v110"), "locking": False}
+
+
+class ParticleFile:
+    """An open result file to which frames are appended. Made by `create` or `reopen`.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    n_frames : int
+        Frames that are whole.
+    """
+
+    def __init__(self, path: Path, file: Any) -> None:
+        self.path, self._file = path, file
+        meta = json.loads(file["mpmkit/layout"].asstr()[()])
+        self.fields: dict[str, int] = meta["fields"]
+        self.static: tuple[str, ...] = tuple(meta["static"])
+        self.scalars: tuple[str, ...] = tuple(meta["scalars"])
+        self._compress: bool = meta["compress"]
+        self._dtype = np.dtype(meta["dtype"])
+        self._root, self._steps = file["VTKHDF"], file["VTKHDF/Steps"]
+        self.n_frames = int(self._steps.attrs["NSteps"])
+        self._parts: dict[int, tuple[int, int]] = {}
+        self._last_static: dict[str, tuple[int, np.ndarray]] = {}
+        self._synced = clock.monotonic()
+
+    @classmethod
+    def create(
+        cls,
+        path: str | os.PathLike[str],
+        fields: Mapping[str, int],
+        static: Mapping[str, np.ndarray] | None = None,
+        scalars: tuple[str, ...] = (),
+        meta: Mapping[str, Any] | None = None,
+        compress: bool = False,
+        overwrite: bool = False,
+        dtype: str = "float32",
+    ) -> ParticleFile:
+        """Start a result file.
+
+        Parameters
+        ----------
+        path : path
+            Where; an existing file is replaced only if `overwrite` is true.
+        fields : mapping of str to int
+            Fields of every frame and their numbers of components; positions ``x`` are always there.
+        static : mapping of str to array (n,) or (n, ncomp)
+            Arrays that rarely change, such as the body number of each particle.
+        scalars : tuple of str
+            Numbers given with each frame, such as the kinetic energy.
+        meta : mapping
+            Facts about the run as plain data. Known keys: ``scene`` (text or None), ``bodies`` (names), ``ledger`` (columns),
+            ``versions``, ``dim``, ``space``, ``units`` (of fields and ledger columns), ``grid``.
+        compress : bool
+            gzip the frames.
+        dtype : str
+            Type of positions and fields in the file.
+
+        Raises
+        ------
+        ResultsError
+            If the file exists, cannot be written, or a name contains "/" or "." (which the format forbids).
+        """
+        import h5py
+
+        static = {k: _plain(v, dtype) for k, v in (static or {}).items()}
+        fields = {k: int(n) for k, n in fields.items() if k != "x"}
+        _check_names(path, [*fields, *static, *scalars])
+        path = claim(path, overwrite=overwrite)
+        meta = dict(meta or {})
+        scene = meta.pop("scene", None)
+        try:
+            file = h5py.File(path, "w", **_HDF5)
+        except OSError as error:
+            raise ResultsError(f"{path}: cannot write results ({error}); choose a path that can be written") from error
+        layout = {"fields": fields, "static": list(static), "scalars": list(scalars), "compress": compress, "dtype": dtype}
+        ours = file.create_group("mpmkit")
+        ours.attrs["format"] = np.int64(FORMAT)
+        for name, text in (("layout", json.dumps(layout)), ("meta", json.dumps(meta)), ("scene", scene)):
+            if text is not None:
+                # data sets, since an attribute holds no more than 64 kB
+                ours.create_dataset(name, data=text.encode() or b"\0", dtype=h5py.string_dtype("utf-8", max(1, len(text.encode()))))
+        create_tables(file, static, scalars)
+        file.flush()
+        made = cls(path, file)
+        for name, array in static.items():
+            made._last_static[name] = (append_rows(made._root["PointData"][name], array), array)
+        return made
+
+    @classmethod
+    def reopen(cls, path: str | os.PathLike[str]) -> ParticleFile:
+        """Open a result file to append more frames, as `resume` does; what an interrupted write left behind is cut off.
+
+        Raises
+        ------
+        ResultsError
+            If it is missing, damaged, or was not written by mpmkit.
+        """
+        import h5py
+
+        from mpmkit._core.reading.vtkhdf import check_ours
+
+        path = Path(path)
+        check_ours(path)
+        try:
+            file = h5py.File(path, "r+", **_HDF5)
+        except OSError as error:
+            raise ResultsError(f"{path}: cannot append to these results ({error}); change its permissions or copy it") from error
+        made = cls(path, file)
+        made.truncate(made.n_frames)
+        return made
+
+    def append(
+        self,
+        time: float,
+        step: int,
+        x: np.ndarray,
+        data: Mapping[str, np.ndarray],
+        scalars: Mapping[str, float] | None = None,
+    ) -> None:
+        """Add one frame; when this returns, readers see it and a killed process keeps it.
+
+        Parameters
+        ----------
+        time : float
+            Simulated time [s].
+        step : int
+            Number of the step.
+        x : array (n, 1 to 3)
+            Positions [m]; n may differ from frame to frame.
+        data : mapping of str to array (n,), (n, ncomp) or (n, 3, 3)
+            Every field named at `create`; vectors of fewer than three columns are filled with zeros. A fixed array
+            that changed (particles were lost, or came in another order) is given here too.
+        scalars : mapping of str to float
+            Every scalar named at `create`.
+
+        Raises
+        ------
+        ResultsError
+            If an array is missing or has a wrong shape, or writing fails (a full disk); earlier frames stay readable.
+        """
+        if self._file is None:
+            raise ResultsError(f"{self.path}: this result file is closed; open it again with ParticleFile.reopen")
+        points = _columns(self.path, "x", x, 3, self._dtype)
+        rows = {"Points": points} | {f"PointData/{k}": self._rows_of(k, n, data, len(points)) for k, n in self.fields.items()}
+        fixed = {k: self._fixed(k, data, len(points)) for k in self.static}
+        unknown = sorted(set(data) - {"x", *self.fields, *self.static})
+        if unknown:
+            raise ResultsError(f"{self.path}: this file was not made for {', '.join(unknown)}; it holds {', '.join(('x', *self.fields, *self.static))}")
+        if set(self.scalars) != set(scalars or {}):
+            raise ResultsError(f"{self.path}: a frame needs the scalars {list(self.scalars)}, got {list(scalars or {})}")
+        numbers = {"step": step, **{k: float((scalars or {})[k]) for k in self.scalars}}
+        try:
+            self._write(float(time), rows, fixed, numbers)
+        except (OSError, RuntimeError, ValueError) as error:
+            self._abandon()
+            raise ResultsError(
+                f"{self.path}: cannot write frame {self.n_frames} at t = {time:g} s ({error}); the {self.n_frames} frames before it are kept"
+            ) from error
+
+    def _write(self, time: float, rows: dict[str, np.ndarray], fixed: dict[str, np.ndarray], numbers: Mapping[str, float]) -> None:
+        root, steps, n = self._root, self._steps, len(rows["Points"])
+        if "Points" not in root:
+            self._create_arrays(n)
+        if n not in self._parts:
+            self._parts[n] = add_part(root, n)
+        part, first_cell = self._parts[n]
+        offsets = {self._append_frame(root[name], array) for name, array in rows.items()}
+        assert len(offsets) == 1, "all arrays of a frame begin at the same row"
+        for name, array in fixed.items():
+            if name not in self._last_static or not np.array_equal(self._last_static[name][1], array):
+                self._last_static[name] = (append_rows(root["PointData"][name], array), array)
+            append_rows(steps["PointDataOffsets"][name], [self._last_static[name][0]])
+        for name, value in numbers.items():
+            append_rows(steps["FieldDataOffsets"][name], [append_rows(root["FieldData"][name], [value])])
+        cells = [[first_cell, 0, 0, 0]]
+        table = {"PartOffsets": [part], "NumberOfParts": [1], "PointOffsets": [offsets.pop()]}
+        for name, value in {**table, "CellOffsets": cells, "ConnectivityIdOffsets": cells, "Values": [time]}.items():
+            append_rows(steps[name], value)
+        self._file.flush()  # the frame is in the file ...
+        steps.attrs.modify("NSteps", np.int64(self.n_frames + 1))
+        self._file.flush()  # ... before the counter shows it
+        self.n_frames += 1
+        if clock.monotonic() - self._synced > SYNC_SECONDS:
+            self._sync()
+
+    def truncate(self, n_frames: int) -> None:
+        """Forget all frames from number `n_frames` on: those that a resumed run is going to write again."""
+        if not 0 <= n_frames <= self.n_frames:
+            raise ResultsError(f"{self.path}: cannot go back to {n_frames} frames, the file has {self.n_frames}")
+        self._steps.attrs.modify("NSteps", np.int64(n_frames))
+        self._file.flush()
+        self.n_frames = n_frames
+        self._parts = shrink_tables(self._root, n_frames)
+        arrays = [self._root["Points"], *(self._root["PointData"][k] for k in self.fields)] if "Points" in self._root else []
+        end = 0
+        if n_frames:
+            counts = self._root["NumberOfPoints"][:]
+            end = int(self._steps["PointOffsets"][n_frames - 1] + counts[self._steps["PartOffsets"][n_frames - 1]])
+        for array in arrays:
+            array.resize(end, axis=0)
+        self._last_static = {}
+        for name in self.static:
+            stored = self._root["PointData"][name]
+            first = int(self._steps["PointDataOffsets"][name][n_frames - 1]) if n_frames else 0
+            # with the last frame's particle count, except before the first frame: then all there is
+            count = int(counts[self._steps["PartOffsets"][n_frames - 1]]) if n_frames else stored.shape[0]
+            stored.resize(first + count, axis=0)
+            self._last_static[name] = (first, stored[first:])
+        self._file.flush()
+
+    def close(self) -> None:
+        """Flush, sync and close; does nothing the second time."""
+        if self._file is not None:
+            self._sync()
+            self._file.close()
+            self._file = None
+
+    def __enter__(self) -> ParticleFile:
+        return self
+
+    def __exit__(self, *args: object) -> None:
+        self.close()
+
+    def _create_arrays(self, n: int) -> None:
+        # with constant n, compressed frames fill whole chunks and leave no gaps
+        chunk = max(1, -(-n // max(1, -(-n // 65536)))) if self._compress else min(max(n, 1024), 65536)
+        # gzip with shuffle is all that VTK decodes
+        filters = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if self._compress else {}
+        dataset(self._root, "Points", (3,), self._dtype, chunk, **filters)
+        for name, ncomp in self.fields.items():
+            dataset(self._root["PointData"], name, (ncomp,) if ncomp > 1 else (), self._dtype, chunk, **filters)
+
+    def _append_frame(self, array: Any, rows: np.ndarray) -> int:
+        chunk = array.chunks[0] if self._compress else 1
+        first = -(-array.shape[0] // chunk) * chunk  # the gap is never read
+        array.resize(first + len(rows), axis=0)
+        array[first:] = rows
+        return int(first)
+
+    def _rows_of(self, name: str, ncomp: int, data: Mapping[str, np.ndarray], n: int) -> np.ndarray:
+        if name not in data:
+            raise ResultsError(f"{self.path}: the frame lacks the field {name!r}, which this file was made for")
+        rows = _columns(self.path, name, data[name], ncomp, self._dtype)
+        if len(rows) != n:
+            raise ResultsError(f"{self.path}: field {name!r} has {len(rows)} rows for {n} particles")
+        return rows
+
+    def _fixed(self, name: str, data: Mapping[str, np.ndarray], n: int) -> np.ndarray:
+        stored = self._root["PointData"][name]
+        array = np.asarray(data[name] if name in data else self._last_static[name][1]).astype(stored.dtype)
+        if array.shape != (n, *stored.shape[1:]):
+            raise ResultsError(f"{self.path}: {name!r} has shape {array.shape} for {n} particles; give it with the frame when the particles change")
+        return array
+
+    def _sync(self) -> None:
+        self._file.flush()
+        handle = os.open(self.path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+        self._synced = clock.monotonic()
+
+    def _abandon(self) -> None:
+        """Close after a failed write, without hiding its reason behind a second error."""
+        file, self._file = self._file, None
+        try:
+            file.close()
+        except (OSError, RuntimeError):
+            pass
+
+
+def _plain(array: Any, dtype: str) -> np.ndarray:
+    """Types that VTK reads: no bool, integers of 32 bits where they fit, floats as asked."""
+    array = np.asarray(array)
+    if array.dtype == bool:
+        return array.astype(np.uint8)
+    if array.dtype.kind in "iu":
+        small = array.size == 0 or (array.min() >= -(2**31) and array.max() < 2**31)
+        return array.astype(np.int32 if small else np.int64)
+    return array.astype(dtype)
+
+
+def _columns(path: Path, name: str, array: Any, ncomp: int, dtype: np.dtype) -> np.ndarray:
+    """Rows of `ncomp` components; vectors of a 1D or 2D run get zeros for the missing directions."""
+    array = np.asarray(array)
+    rows = array.reshape(len(array), -1) if array.size else np.zeros((len(array), ncomp))
+    if ncomp == 3 and rows.shape[1] < 3:
+        rows = np.pad(rows, ((0, 0), (0, 3 - rows.shape[1])))
+    if rows.shape[1] != ncomp:
+        raise ResultsError(f"{path}: {name!r} has {rows.shape[1]} components, this file was made for {ncomp}")
+    return np.ascontiguousarray(rows if ncomp > 1 else rows[:, 0], dtype=dtype)
+
+
+def _check_names(path: Any, names: list[str]) -> None:
+    for name in names:
+        if not name or "/" in name or "." in name:
+            raise ResultsError(f"{path}: {name!r} cannot be the name of an array in a VTKHDF file; leave out '/' and '.'")
+        if names.count(name) > 1 or name in ("x", "step", *TOPOLOGIES):
+            raise ResultsError(f"{path}: the name {name!r} is used twice in this file; rename one")

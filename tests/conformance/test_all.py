@@ -1,0 +1,3 @@
+from mpmkit.testing import conformance
+
+test_everything_registered = conformance()

@@ -1,0 +1,3 @@
+from mpmkit.testing import conformance
+
+test_mooney = conformance("mooney")
