@@ -2,7 +2,13 @@
 
 import mpmkit as mpm
 from mpmkit_boundaries.faces import FACES, resolve
-from mpmkit_boundaries.wall import hold
+
+
+@mpm.kernel
+def hold(v, normal):
+    """No normal velocity: v - (v . n) n."""
+    v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
+    return (v[0] - v_n * normal[0], v[1] - v_n * normal[1], v[2] - v_n * normal[2])
 
 
 @mpm.define

@@ -12,17 +12,19 @@ def clamp(v):
 
 
 @mpm.kernel
+def stick(v, normal):
+    """v = 0 while moving into the wall, free otherwise."""
+    v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
+    if v_n > 0.0:
+        return (0.0 * v[0], 0.0 * v[1], 0.0 * v[2])
+    return (v[0], v[1], v[2])
+
+
+@mpm.kernel
 def block(v, normal):
     """No velocity into the wall: v - max(v . n, 0) n."""
     v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
     v_n = max(v_n, 0.0 * v_n)
-    return (v[0] - v_n * normal[0], v[1] - v_n * normal[1], v[2] - v_n * normal[2])
-
-
-@mpm.kernel
-def hold(v, normal):
-    """No normal velocity: v - (v . n) n."""
-    v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
     return (v[0] - v_n * normal[0], v[1] - v_n * normal[1], v[2] - v_n * normal[2])
 
 
@@ -42,45 +44,43 @@ def coulomb(v, normal, dv_n, friction):
 
 @mpm.define
 class Wall(mpm.BoundaryLayer):
-    """A rigid wall on faces of the domain: no slip (v = 0), slip (v . n = 0) or Coulomb friction.
+    """A rigid wall on faces of the domain; with n out of the domain, bodies cannot move into it (v . n <= 0).
 
-    A wall with no slip clamps what touches it; slip and frictional walls let a body separate (v . n <= 0, n out of
-    the domain) unless ``separates = False``. The wall acts on the nodes of its face, so a body feels it from a
-    distance of up to one cell (linear functions) as soon as it moves towards it.
+    - "stick" (default): what presses on the wall does not move, v = 0; what moves away is free.
+    - "no slip": v = 0 always; the wall clamps what touches it and holds it in tension.
+    - "slip": the normal velocity into the wall vanishes, tangential motion is free.
+    - "friction": as slip, and Coulomb friction opposes sliding by at most ``friction`` times the normal impulse.
+
+    The wall acts on the nodes of its face, so a body feels it from a distance of up to one cell (linear functions)
+    as soon as it moves towards it. For a wall that holds the normal direction in tension too use `Symmetry`.
     """
 
     references = ("Chen and Brannon (2002), SAND2002-0482, section 2, essential boundary conditions",)
     faces: tuple[str, ...] = mpm.parameter("faces of the domain", choices=("all", *FACES), default=("all",), example="all")
     condition: str | None = mpm.parameter(
-        "what the wall does; by default friction if a coefficient is given, else no slip", choices=("no slip", "slip", "friction"), default=None
+        "what the wall does; if not given, friction with a coefficient, else stick", choices=("stick", "no slip", "slip", "friction"), default=None
     )
     friction: float | None = mpm.parameter("coefficient of Coulomb friction", ge=0.0, default=None, example=0.3)
-    separates: bool | None = mpm.parameter("whether bodies can lift off; by default yes, except with no slip", default=None)
 
     def check(self):
-        if self.condition in ("no slip", "slip") and self.friction is not None:
+        if self.condition not in (None, "friction") and self.friction is not None:
             raise mpm.ParameterError(
-                f"Wall.friction = {self.friction:g} would be ignored with condition {self.condition!r}; "
-                "leave it out, or use condition='friction'"
+                f"Wall.friction = {self.friction:g} would be ignored with condition {self.condition!r}; leave it out, or use condition='friction'"
             )
         if self.condition == "friction" and self.friction is None:
             raise mpm.ParameterError("Wall.friction is required with condition='friction', for example 0.3")
-        if self.mode == "no slip" and self.separates:
-            raise mpm.ParameterError("Wall.separates = true does not work with 'no slip', which clamps; use a frictional wall")
 
     @property
     def mode(self):
-        return self.condition or ("no slip" if self.friction is None else "friction")
+        return self.condition or ("stick" if self.friction is None else "friction")
 
     @property
     def bilateral(self):
-        return self.mode == "no slip" or (self.mode == "slip" and self.separates is False)
+        return self.mode == "no slip"
 
     @property
     def constrain(self):
-        if self.mode == "no slip":
-            return clamp
-        return hold if self.separates is False else block
+        return {"stick": stick, "no slip": clamp}.get(self.mode, block)
 
     @property
     def rub(self):

@@ -16,7 +16,21 @@ from mpmkit._core.registry import registry
 from mpmkit.description import default_of, plain
 from mpmkit.interfaces import Component, ConstitutiveModel
 from mpmkit.parameters import Spec, Value, Vector, specs
-from mpmkit.scene.parts import KNOWN, LISTS, MATERIALS, REQUIRED, SECTIONS, SETTINGS, alternatives, interface, is_open, is_part, required
+from mpmkit.scene.parts import (
+    KNOWN,
+    LISTS,
+    MATERIALS,
+    REQUIRED,
+    REQUIRED_FOR_MPM,
+    SECTIONS,
+    SETTINGS,
+    alternatives,
+    holds_parts,
+    interface,
+    is_open,
+    is_part,
+    required,
+)
 from mpmkit.units import QUANTITY
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -91,7 +105,7 @@ class Maker:
             default = default_of(attribute)
             if default is not attrs.NOTHING and default is not None and not is_part(type(default)):
                 entry["default"] = plain(default)
-            if spec.example is not None and not _holds_parts(spec.example):
+            if spec.example is not None and not holds_parts(spec.example):
                 entry["examples"] = [plain(spec.example)]
             properties[name] = entry
         return {
@@ -149,10 +163,6 @@ def text_of(spec: Spec) -> str:
     """Meaning, unit and range."""
     unit = f" [{spec.unit}]" if spec.unit != "1" else ""
     return f"{spec.doc}{unit}" + (f", {spec.bounds}" if spec.bounds else "")
-
-
-def _holds_parts(value: Any) -> bool:
-    return is_part(type(value)) or (isinstance(value, (tuple, list)) and any(_holds_parts(item) for item in value))
 
 
 def _summary(cls: type) -> str:

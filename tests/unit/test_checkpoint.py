@@ -137,3 +137,26 @@ def test_stale_temporary_files_of_other_runs_stay(tmp_path):
         (tmp_path / name).touch()
     assert [p.name for p in remove_stale(tmp_path / "run.ckpt.h5")] == [".run.ckpt.h5.abc.tmp"]
     assert [p.name for p in tmp_path.iterdir()] == [".other.ckpt.h5.abc.tmp"]
+
+
+_FULL = """
+import resource, signal, sys, numpy as np
+import mpmkit._core.running.checkpoint as checkpoint
+if sys.argv[2] == "unnoticed":
+    checkpoint.reserve = lambda file, n_bytes: None
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, 1_000_000))
+for n in (1000, 1_000_000):
+    checkpoint.save(sys.argv[1], {"x": np.full(n, n)}, {"n": n})
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="needs a limit on the size of files")
+@pytest.mark.parametrize("full", ["noticed", "unnoticed"])
+def test_a_full_disk_keeps_the_last_one(tmp_path, full):
+    path = tmp_path / "run.ckpt.h5"
+    done = subprocess.run([sys.executable, "-c", _FULL, str(path), full], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1, done.stderr
+    assert "cannot write the checkpoint" in done.stderr and "the checkpoint before it is kept" in done.stderr
+    assert load(path)[1] == {"n": 1000}
+    assert [p.name for p in tmp_path.iterdir()] == ["run.ckpt.h5"]

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 
 import pytest
 
@@ -231,7 +232,9 @@ def fake_report(fakes, monkeypatch):
 
 
 def test_check_passes_and_fails(call, fake_report):
-    fake_report("return [dict(component='Foam', check='objectivity', passed=False, reason='rotates'), dict(component='Foam', check='docs', passed=True)]")
+    fake_report(
+        "return [dict(component='Foam', check='objectivity', passed=False, reason='rotates'), dict(component='Foam', check='docs', passed=True)]"
+    )
     code, out, _ = call("check", "foam")
     assert code == 1
     assert "FAILED  Foam  objectivity  rotates" in out
@@ -273,7 +276,9 @@ def test_a_reader_that_stops_reading_is_no_failure():
 def test_ctrl_c_ends_with_130(fakes):
     fakes.add("mpmkit-slow", "slow", "import sys, time\nprint('ready', flush=True)\ntime.sleep(60)")
     environment = {**os.environ, "PYTHONPATH": str(fakes.folder)}
-    process = subprocess.Popen([sys.executable, "-m", "mpmkit", "list-plugins"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "mpmkit", "list-plugins"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
+    )
     assert process.stdout.readline().strip() == b"ready"
     time.sleep(0.1)
     process.send_signal(signal.SIGINT)
@@ -340,6 +345,13 @@ def test_output_of_a_scene_with_two_records_is_refused(call, simulation):
 def test_explain(call, simulation):
     simulation()
     assert call("explain", "x.toml") == (0, "what happens\n", "")
+
+
+@pytest.mark.filterwarnings("always")
+def test_warnings_are_for_people(call, simulation):
+    made = simulation()
+    made.run = lambda **_: warnings.warn("two bodies overlap", stacklevel=1)
+    assert call("run", "x.toml") == (0, "", "mpmkit: warning: two bodies overlap\n")
 
 
 def test_python_dash_m():

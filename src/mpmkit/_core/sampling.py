@@ -20,10 +20,10 @@ def lattice_side(particles_per_cell: int, dim: int) -> int:
     """Number of particles along one edge of a cell; `ParameterError` unless `particles_per_cell` is its power `dim`."""
     side = max(1, round(math.pow(particles_per_cell, 1.0 / dim)))
     if side**dim != particles_per_cell:
-        near = sorted({n**dim for n in (side - 1, side, side + 1) if n > 0}, key=lambda n: abs(n - particles_per_cell))[:2]
+        low = side if side**dim < particles_per_cell else side - 1
         raise ParameterError(
             f"Body.particles_per_cell must be n^{dim} in {dim}D, because the lattice is regular; got {particles_per_cell}, "
-            f"the nearest are {' and '.join(map(str, sorted(near)))}"
+            f"the nearest are {low**dim} and {(low + 1) ** dim}"
         )
     return side
 

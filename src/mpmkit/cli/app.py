@@ -6,6 +6,7 @@ import errno
 import importlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -73,7 +74,9 @@ def main(args: Sequence[str] | None = None) -> None:
     arguments = list(sys.argv[1:] if args is None else args)
     Command.traceback_wanted = False
     try:
-        status = group.main(arguments, prog_name="mpmkit", standalone_mode=False)
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            status = group.main(arguments, prog_name="mpmkit", standalone_mode=False)
         sys.stdout.flush()
     except click.ClickException as error:
         error.show()
@@ -84,6 +87,11 @@ def main(args: Sequence[str] | None = None) -> None:
     except BaseException as error:
         sys.exit(_failure(error, Command.traceback_wanted))
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """A warning for people, without the line of source it comes from."""
+    click.echo(f"mpmkit: warning: {message}", err=True)
 
 
 def _failure(error: BaseException, traceback: bool) -> int:

@@ -47,7 +47,7 @@ def redirect(simulation: Any, output: str | None, overwrite: bool) -> None:
             raise SceneError(
                 f"--output gives one path, but the scene has {len(records)} records ({paths}); change their paths in the scene"
             )
-        records = [attrs.evolve(records[0], path=output) if records else Record(output)]  # type: ignore[call-arg]
+        records = [attrs.evolve(records[0], path=output) if records else Record(output)]
     if overwrite:
         records = [attrs.evolve(record, overwrite=True) for record in records]
     simulation.records[:] = records

@@ -16,7 +16,7 @@ from mpmkit.errors import ParameterError
 from mpmkit.exact.bilinear import BilinearBar, State
 from mpmkit.exact.solution import Array
 
-MOST_EVENTS = 20_000
+MOST_EVENTS = 10_000
 
 
 class Front(NamedTuple):

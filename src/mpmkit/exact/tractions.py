@@ -45,8 +45,8 @@ class Pulse(Traction):
 
     def value(self, t: ArrayLike) -> Array:
         """p(t) [Pa]."""
-        t = np.asarray(t, float)
-        return np.where((t > 0.0) & (t <= self.duration), self.magnitude, 0.0)
+        time = np.asarray(t, float)
+        return np.where((time > 0.0) & (time <= self.duration), self.magnitude, 0.0)
 
     def impulse(self, t: ArrayLike) -> Array:
         """Integral of p [Pa s]."""
@@ -62,11 +62,11 @@ class SmoothPulse(Traction):
 
     def value(self, t: ArrayLike) -> Array:
         """p(t) [Pa]."""
-        t = np.asarray(t, float)
-        inside = (t > 0.0) & (t < self.duration)
-        return np.where(inside, self.magnitude * np.sin(np.pi * t / self.duration) ** 2, 0.0)
+        time = np.asarray(t, float)
+        during = (time > 0.0) & (time < self.duration)
+        return np.where(during, self.magnitude * np.sin(np.pi * time / self.duration) ** 2, 0.0)
 
     def impulse(self, t: ArrayLike) -> Array:
         """Integral of p [Pa s]."""
-        t = np.clip(np.asarray(t, float), 0.0, self.duration)
-        return np.asarray(self.magnitude * (t / 2 - self.duration / (4 * np.pi) * np.sin(2 * np.pi * t / self.duration)))
+        time: Array = np.clip(np.asarray(t, float), 0.0, self.duration)
+        return np.asarray(self.magnitude * (time / 2 - self.duration / (4 * np.pi) * np.sin(2 * np.pi * time / self.duration)))

@@ -58,8 +58,8 @@ class Union(_Combination):
         return all(s.tight_bounds for s in self.shapes)
 
     def bounds(self) -> tuple[Vector, Vector]:
-        lower, upper = zip(*(s.bounds() for s in self.shapes), strict=True)
-        return tuple(map(min, *lower)) if len(lower) > 1 else lower[0], tuple(map(max, *upper)) if len(upper) > 1 else upper[0]
+        lowers, uppers = zip(*(s.bounds() for s in self.shapes), strict=True)
+        return tuple(map(min, zip(*lowers, strict=True))), tuple(map(max, zip(*uppers, strict=True)))
 
     def depth(self, x: Array) -> Array:
         return reduce(np.maximum, (s.depth(x) for s in self.shapes))
@@ -88,11 +88,13 @@ class Intersection(_Combination):
 
     @property
     def tight_bounds(self) -> bool:  # type: ignore[override]
-        return all(isinstance(s, Box) for s in self.shapes)
+        return all(isinstance(s, Box) for s in self.shapes) and all(up > low for low, up in zip(*self.bounds(), strict=True))
 
     def bounds(self) -> tuple[Vector, Vector]:
-        lower, upper = zip(*(s.bounds() for s in self.shapes), strict=True)
-        return tuple(map(max, *lower)) if len(lower) > 1 else lower[0], tuple(map(min, *upper)) if len(upper) > 1 else upper[0]
+        """The common part of the bounds; a box of no size where there is none."""
+        lowers, uppers = zip(*(s.bounds() for s in self.shapes), strict=True)
+        lower = tuple(max(ends) for ends in zip(*lowers, strict=True))
+        return lower, tuple(max(low, min(ends)) for low, ends in zip(lower, zip(*uppers, strict=True), strict=True))
 
     def depth(self, x: Array) -> Array:
         return reduce(np.minimum, (s.depth(x) for s in self.shapes))

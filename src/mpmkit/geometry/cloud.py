@@ -28,7 +28,7 @@ def frozen_array(values: ArrayLike, name: str, shape: tuple[int | None, ...]) ->
         wanted = ", ".join("n" if s is None else str(s) for s in shape)
         raise ParameterError(f"{name} must have the shape ({wanted}{',' if len(shape) == 1 else ''}), got {array.shape}")
     rows = np.atleast_1d(array)
-    bad = np.flatnonzero(~np.isfinite(rows.reshape(len(rows), -1)).all(axis=1))
+    bad = np.flatnonzero(~np.isfinite(rows).all(axis=tuple(range(1, rows.ndim))))
     if len(bad):
         raise ParameterError(f"{name} must be finite, got {rows[bad[0]].tolist()} in row {bad[0]} ({len(bad)} such rows)")
     array.setflags(write=False)

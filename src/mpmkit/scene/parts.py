@@ -56,6 +56,11 @@ def is_union(hint: Any) -> bool:
     return typing.get_origin(hint) in (typing.Union, types.UnionType)
 
 
+def holds_parts(value: Any) -> bool:
+    """Whether a value is, or has among its items, an object that is written as a table."""
+    return is_part(type(value)) or (isinstance(value, (tuple, list)) and any(holds_parts(item) for item in value))
+
+
 def is_open(cls: type) -> bool:
     """Whether a table must say with its key "kind" which class it stands for."""
     return issubclass(cls, (Component, Geometry))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import typing
 from typing import Any
 
 import cattrs
 
 from mpmkit._core.registry import registry
+from mpmkit.description import plain
 from mpmkit.errors import MpmkitError, ParameterError, PluginError, did_you_mean
 from mpmkit.interfaces import Component, ConstitutiveModel
 from mpmkit.parameters import Spec, convert, specs
@@ -20,6 +23,7 @@ from mpmkit.scene.parts import (
     SECTIONS,
     SETTINGS,
     alternatives,
+    holds_parts,
     interface,
     is_open,
     is_part,
@@ -187,10 +191,11 @@ class Reader:
         if isinstance(value, dict):
             return self.converter.structure(value, parts[0])
         if isinstance(value, list):
+            inner = typing.get_args(hint)[0] if typing.get_origin(hint) is tuple else hint
             items = []
             for k, item in enumerate(value):
                 with self.mistakes.at(k):
-                    items.append(self._nested(item, hint, parts))
+                    items.append(self._nested(item, inner, parts))
             return WRONG if any(isinstance(item, Wrong) for item in items) else tuple(items)
         if isinstance(value, str) and any(issubclass(part, ConstitutiveModel) for part in parts):
             if value not in self.materials:
@@ -221,8 +226,8 @@ def describe(spec: Spec) -> str:
     parts = [f"{spec.doc} [{spec.unit}]" if spec.unit != "1" else spec.doc]
     if spec.bounds:
         parts.append(spec.bounds)
-    if spec.example is not None:
-        parts.append(f"for example {spec.example!r}" if isinstance(spec.example, str) else f"for example {spec.example}")
+    if spec.example is not None and not holds_parts(spec.example):
+        parts.append(f"for example {json.dumps(plain(spec.example))}")
     return ", ".join(parts)
 
 

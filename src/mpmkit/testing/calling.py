@@ -69,7 +69,8 @@ def arguments(component: Component, kernel: Kernel, given: Mapping[str, Any]) ->
 
 def _argument(component: Component, kernel: Kernel, name: str, given: Mapping[str, Any]) -> Any:
     spec = specs(type(component)).get(name)
-    is_value = spec is not None and spec[0].type == Value
+    hint: Any = spec[0].type if spec else None
+    is_value = hint == Value
     own = getattr(component, name, None)
     if not is_value and not isinstance(own, Kernel):
         if isinstance(own, (bool, int, float)):

@@ -156,4 +156,5 @@ def exponential(A: Array) -> Array:
 
 def straight(A: ArrayLike, steps: int) -> Array:
     """Path from the identity to I + A in equal steps."""
-    return np.eye(3) + np.linspace(0.0, 1.0, steps + 1)[:, None, None] * np.asarray(A, dtype=float)
+    path: Array = np.eye(3) + np.linspace(0.0, 1.0, steps + 1)[:, None, None] * np.asarray(A, dtype=float)
+    return path

@@ -40,7 +40,7 @@ def _unit(path: str, unit: str) -> None:
 
     try:
         pint.application_registry.Unit("" if unit == "1" else unit)
-    except Exception as error:
+    except (AttributeError, ValueError) as error:
         raise AssertionError(f"{path}: {unit!r} is no unit ({error})") from None
 
 

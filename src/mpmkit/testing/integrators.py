@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from mpmkit.errors import CompositionError
 from mpmkit.interfaces import Discretization, Integrator, Transfer
+from mpmkit.parameters import example_arguments
 from mpmkit.testing.calling import call
 from mpmkit.testing.collect import check, expect, expect_close
+from mpmkit.testing.flight import check_free_flight
 
 NEEDED = ("forces", "momentum", "contact", "boundary", "strain", "stress")
 """Verbs without which bodies, contact or boundary layers of a scene would have no effect."""
@@ -50,6 +53,16 @@ def same_recipe_every_time(integrator: Integrator, rng: Any) -> None:
     expect(recipe(integrator) == recipe(integrator), f"{type(integrator).__name__}.step writes another recipe when it is called again")
 
 
+@check("integrator", "free flight")
+def integrator_free_flight(integrator: Integrator, rng: Any) -> None:
+    """A body that nothing acts on keeps its velocity exactly. A choice beside the defaults may be refused, with a reason, when it is composed."""
+    try:
+        check_free_flight(integrator=integrator)
+    except CompositionError:
+        if integrator == type(integrator)(**example_arguments(type(integrator))):
+            raise
+
+
 @check("discretization", "recipe is complete and in order")
 def discretization_recipe(discretization: Discretization, rng: Any) -> None:
     """The verbs every discretization needs, in an order that makes sense."""
@@ -73,6 +86,14 @@ def falls_freely(transfer: Transfer, rng: Any) -> None:
     for velocity, change in rng.uniform(-1.0, 1.0, (50, 2)):
         given = {"v": velocity, "v_grid": velocity + change, "v_smooth": velocity, "dv_grid": change}
         expect_close(call(transfer, transfer.velocity, given), velocity + change, 1e-15, "particle velocity")
+
+
+@check("transfer", "free flight")
+def transfer_free_flight(transfer: Transfer, rng: Any) -> None:
+    """A body that nothing acts on keeps its velocity exactly, with MUSL."""
+    from mpmkit import integrators
+
+    check_free_flight(integrator=integrators.MUSL(transfer))
 
 
 @check("transfer", "declared facts are known words", once=True)

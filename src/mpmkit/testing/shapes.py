@@ -10,6 +10,7 @@ from mpmkit.interfaces import ShapeFunction
 from mpmkit.testing.calling import call
 from mpmkit.testing.collect import check, expect, expect_close
 from mpmkit.testing.element import Array
+from mpmkit.testing.flight import check_free_flight
 
 ROUNDING = 1e-13
 """Tolerance (rounding): a few hundred machine epsilons of a weight of size 1."""
@@ -117,3 +118,9 @@ def describes_its_support(shape: ShapeFunction, rng: Any) -> None:
     expect(shape.particle_size in ("none", "initial", "current"), f"{name}.particle_size is {shape.particle_size!r}")
     expect(("half" in shape.weights.arguments) == (shape.particle_size != "none"), f"{name}: the kernel asks for half, or not, against particle_size")
     expect(2.0 * shape.offset == shape.nodes - 2, f"{name}: {shape.nodes} nodes around the particle need offset = {(shape.nodes - 2) / 2:g}")
+
+
+@check("shape", "free flight", when=lambda shape: "plane strain" in shape.spaces)
+def shape_free_flight(shape: ShapeFunction, rng: Any) -> None:
+    """A body that nothing acts on keeps its velocity exactly, in two dimensions."""
+    check_free_flight(shape=shape)

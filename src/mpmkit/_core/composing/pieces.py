@@ -112,6 +112,10 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
                 _gather_once(loop, f"dv{a}", f"w * ({node(nodes, 'v', a)} - {node(nodes, 'v_old', a)})")
             if "v_smooth" in asks:
                 _gather_once(loop, f"vs{a}", f"w * {node(nodes, 'v_smooth', a)}")
+        if "f_ext" in nodes.start and not c.stored_operator:
+            loop.field("v"), loop.field("m")
+            for a in range(dim):
+                _gather_once(loop, f"dv_ext{a}", f"w * {node(nodes, 'f_ext', a)}")
         if transfer is not None and transfer.affine != "none":
             loop.needs.add("moment" if transfer.affine == "moment" else "g")
             slope = "e_" if transfer.affine == "moment" else "g"
@@ -119,6 +123,9 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
                 for b in range(dim):
                     _gather_once(loop, f"C{a}{b}", f"{node(nodes, 'v', a)} * {slope}{b}")
         return
+    external = "f_ext" in nodes.start and not c.stored_operator
+    if external:
+        loop.line("v_before = v")
     if transfer is None:
         loop.line(f"v = ({', '.join([f'vg{a}' for a in range(dim)] + ['zero'] * (3 - dim))})")
     else:
@@ -133,6 +140,9 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
             full = [f"C{a}{b}" if a < dim and b < dim else "zero" for a in range(3) for b in range(3)]
             loop.line(f"C = ({', '.join(full)})")
             loop.store("C")
+    if external:
+        power = " + ".join(f"dv_ext{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
+        loop.line(f"external += T(0.5) * m * ({power})")
     loop.store("v")
 
 

@@ -74,7 +74,7 @@ def momentum(sweep: Sweep, has_velocity: bool, name: str) -> str:
         accounts.append((f"m * {role}_a[{{a}}]", effect.work))
     inner += [f"a{a} = {acceleration[a]}" for a in range(dim)]
     inner += [f"{node(layout, 'v', a)} = v_old[{a}] + dt * a{a}" for a in range(dim)]
-    if "f_ext" in layout.start:
+    if "f_ext" in layout.start and c.stored_operator:
         accounts.append((f"G[k + {layout.start['f_ext']} + {{a}}]", "external"))
     for k, (force, column) in enumerate(accounts):
         for a in range(dim):
@@ -83,22 +83,28 @@ def momentum(sweep: Sweep, has_velocity: bool, name: str) -> str:
         sign = "-" if column == "dissipated" else "+"
         inner.append(f"{'effects' if column == 'dissipated' else 'external'} {sign}= {power}")
         inner += [f"push{a} += p{k}_{a}" for a in range(dim)]
+    if "f_ext" in layout.start and not c.stored_operator:
+        # the velocity that external forces give; its work is summed over the particles, which move with the grid's mean
+        # velocity: a node with little mass may be far from any particle's velocity
+        for a in range(dim):
+            inner += [f"push{a} += {node(layout, 'f_ext', a)} * dt", f"{node(layout, 'f_ext', a)} *= dt / m"]
+    pushes = bool(accounts) or "f_ext" in layout.start
     lines += [f"    {line}" for line in inner]
     lines += ["else:  # no particle within reach"]
     lines += [f"    {node(layout, channel, a)} = zero" for channel in ("v_old", "v") for a in range(dim)]
-    header = ["external, effects = 0.0, 0.0", *([f"push{a} = 0.0" for a in range(dim)] if accounts else []), "for i in range(span[0], span[1]):"]
-    tail = ["work[0] += external", "work[1] += effects", *([f"work[{8 + a}] += push{a}" for a in range(dim)] if accounts else [])] if accounts else []
-    if not accounts:
+    header = ["external, effects = 0.0, 0.0", *([f"push{a} = 0.0" for a in range(dim)] if pushes else []), "for i in range(span[0], span[1]):"]
+    tail = ["work[0] += external", "work[1] += effects", *([f"work[{8 + a}] += push{a}" for a in range(dim)])] if pushes else []
+    if not pushes:
         header = header[-1:]
     return sweep.body(name, "Nodes: v_i = (mv)_i / m_i, v_i += dt (f_i / m_i + accelerations).", _grid_arguments(c), header, lines, tail)
 
 
-def divide(sweep: Sweep, channel: str, name: str, doc: str, extra: list[str] | None = None) -> str:
+def divide(sweep: Sweep, channel: str, name: str, doc: str) -> str:
     """Momentum to velocity in one channel."""
     layout, dim = sweep.layout, sweep.dim
     small = sweep.smallest_mass()
     lines = [f"k = i * {layout.size}", f"m = {node(layout, 'm')}", f"if m > {small}:"]
-    lines += [f"    {node(layout, channel, a)} /= m" for a in range(dim)] + [f"    {line}" for line in extra or []]
+    lines += [f"    {node(layout, channel, a)} /= m" for a in range(dim)]
     lines += ["else:"] + [f"    {node(layout, channel, a)} = zero" for a in range(dim)]
     return sweep.body(name, doc, _grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
 

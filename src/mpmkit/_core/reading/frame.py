@@ -76,12 +76,12 @@ class Frame(Mapping[str, np.ndarray]):
         return f"<Frame {self.index}: t = {self.time:g} s, step {self.step}, {self.n_particles} particles, {', '.join(self.fields)}>"
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td><code>{escape(n)}</code></td><td>{self[n].shape}</td><td>{np.min(self[n], initial=np.inf):.4g}</td>"
-            f"<td>{np.max(self[n], initial=-np.inf):.4g}</td></tr>"
-            for n in self.fields
-        )
-        return f"<b>t = {self.time:g} s</b>, step {self.step}<table><tr><th>field</th><th>shape</th><th>min</th><th>max</th></tr>{rows}</table>"
+        rows = ""
+        for name in self.fields:
+            array = self[name]
+            span = f"{array.min():.4g} to {array.max():.4g}" if array.size else ""
+            rows += f"<tr><td><code>{escape(name)}</code></td><td>{array.shape}</td><td>{span}</td></tr>"
+        return f"<b>t = {self.time:g} s</b>, step {self.step}<table><tr><th>field</th><th>shape</th><th>range</th></tr>{rows}</table>"
 
 
 class Frames(Sequence[Frame]):

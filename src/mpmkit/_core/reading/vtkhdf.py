@@ -65,7 +65,8 @@ class Reader:
 
         def read(file: Any) -> Index:
             root, steps = file["VTKHDF"], file["VTKHDF/Steps"]
-            n = int(steps.attrs["NSteps"])
+            # the counter grows first, then the times: between the two the last frame is not yet ours to show
+            n = min(int(steps.attrs["NSteps"]), steps["Values"].shape[0])
             counts = root["NumberOfPoints"][:]
             columns = [steps["Values"][:n], root["FieldData/step"][:n], steps["PointOffsets"][:n], counts[steps["PartOffsets"][:n]] if n else counts[:0]]
             if any(len(c) != n for c in columns):

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmkit._core.running.disk import abandon, close_trimmed, reserve
 from mpmkit.errors import ResultsError
 
 MAGIC = "mpmkit checkpoint"
@@ -51,11 +52,18 @@ def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray], attrs: 
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent)
         os.close(handle)
         temporary = Path(name)
-        with h5py.File(temporary, "w", libver=("earliest", "v110"), locking=False, userblock_size=_HEADER) as file:
+        file = h5py.File(temporary, "w", libver=("earliest", "v110"), locking=False, userblock_size=_HEADER)
+        try:
+            plain = {key: np.asarray(array) for key, array in arrays.items()}
+            reserve(file, _HEADER + len(text) + sum(array.nbytes + 1024 for array in plain.values()))
             file.create_dataset("attrs", data=text.encode(), dtype=h5py.string_dtype("utf-8", max(1, len(text.encode()))))
             group = file.create_group("arrays")
-            for key, array in arrays.items():
-                group.create_dataset(key, data=np.asarray(array), track_times=False)
+            for key, array in plain.items():
+                group.create_dataset(key, data=array, track_times=False)
+            close_trimmed(file)
+        except BaseException:
+            abandon(file)
+            raise
         with temporary.open("rb+") as raw:
             raw.write(_header(raw))
             raw.flush()

@@ -48,8 +48,11 @@ class ConsistentMomentum:
             v[free] = v_old[free] + float(dt) * _solve(M[np.ix_(free, free)], force[free])
             e.work[5 + a] += float((M[held] @ (v - v_old)).sum() - float(dt) * force[held].sum())
             if f_ext is not None:
-                e.work[0] += 0.5 * float(dt) * float(G[active, f_ext + a] @ (v + v_old))
-                e.work[8 + a] += float(dt) * float(G[active, f_ext + a].sum())
+                outer = G[active, f_ext + a].astype(float)
+                e.work[8 + a] += float(dt) * float(outer.sum())
+                given = np.zeros(active.size)  # the velocity external forces give; the particles sum its work
+                given[free] = float(dt) * _solve(M[np.ix_(free, free)], outer[free])
+                G[active, f_ext + a] = given
             G[active, old + a], G[active, new + a] = v_old, v
 
     def _matrix(self, active: Any, t: Any, dt: Any) -> Any:

@@ -237,6 +237,7 @@ class Engine:
         if self.c.stored_operator:
             row |= self._nodal_motion()
         row |= dict(zip(WORK, self.work, strict=True))
+        row["external"] += float(self.outs[:, 5].sum())
         row["viscous"] = float(self.outs[:, 2].sum())
         return {name: float(value) for name, value in row.items()}
 

@@ -7,15 +7,16 @@ Layout, for T frames and P *parts*; a part is one particle count, used again by 
       Vertices/...               one vertex cell per particle; Lines, Polygons, Strips are required and empty
       PointData/NAME             (rows,) or (rows, ncomp); fixed arrays (body, id) are written again only when they change
       FieldData/NAME (T,)        step and scalars of the run
-      Steps                      @NSteps = T: written last, so a frame is seen when it is whole
+      Steps                      @NSteps = T: written when the frame is whole, and then its time
         Values, PartOffsets, NumberOfParts, PointOffsets (T,), CellOffsets, ConnectivityIdOffsets (T, 4)
         PointDataOffsets/NAME    of fixed arrays; the others follow PointOffsets
     /mpmkit                      scene text and facts about the run (readers of VTKHDF ignore it)
 
 The file is written with old HDF5 objects (`libver` "earliest" to "v110") and without locks: newer objects or SWMR would
 keep VTK from reading it before the run has ended. Data are flushed before ``NSteps`` grows, so a killed run leaves all
-earlier frames readable. Where frames are compressed, each starts on a chunk boundary: a chunk that is
-written twice could be lost together with the earlier frame it holds.
+earlier frames readable; ``Values`` grows after it, because VTK (9.3 to 9.7) reads all of ``Values`` into room
+for ``NSteps`` numbers and crashes where there are more. Where frames are compressed, each starts on a chunk boundary: a
+chunk that is written twice could be lost together with the earlier frame it holds.
 
 References
 ----------
@@ -33,6 +34,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmkit._core.running.disk import abandon, close_trimmed, reserve
 from mpmkit._core.running.paths import claim
 from mpmkit._core.running.vtkhdf_tables import TOPOLOGIES, add_part, append_rows, create_tables, dataset, shrink_tables
 from mpmkit.errors import ResultsError
@@ -64,7 +66,7 @@ class ParticleFile:
         self._compress: bool = meta["compress"]
         self._dtype = np.dtype(meta["dtype"])
         self._root, self._steps = file["VTKHDF"], file["VTKHDF/Steps"]
-        self.n_frames = int(self._steps.attrs["NSteps"])
+        self.n_frames = min(int(self._steps.attrs["NSteps"]), self._steps["Values"].shape[0])
         self._parts: dict[int, tuple[int, int]] = {}
         self._last_static: dict[str, tuple[int, np.ndarray]] = {}
         self._synced = clock.monotonic()
@@ -198,7 +200,8 @@ class ParticleFile:
         try:
             self._write(float(time), rows, fixed, numbers)
         except (OSError, RuntimeError, ValueError) as error:
-            self._abandon()
+            file, self._file = self._file, None
+            abandon(file)
             raise ResultsError(
                 f"{self.path}: cannot write frame {self.n_frames} at t = {time:g} s ({error}); the {self.n_frames} frames before it are kept"
             ) from error
@@ -207,6 +210,7 @@ class ParticleFile:
         root, steps, n = self._root, self._steps, len(rows["Points"])
         if "Points" not in root:
             self._create_arrays(n)
+        self._reserve(rows, fixed)
         if n not in self._parts:
             self._parts[n] = add_part(root, n)
         part, first_cell = self._parts[n]
@@ -220,11 +224,13 @@ class ParticleFile:
             append_rows(steps["FieldDataOffsets"][name], [append_rows(root["FieldData"][name], [value])])
         cells = [[first_cell, 0, 0, 0]]
         table = {"PartOffsets": [part], "NumberOfParts": [1], "PointOffsets": [offsets.pop()]}
-        for name, value in {**table, "CellOffsets": cells, "ConnectivityIdOffsets": cells, "Values": [time]}.items():
+        for name, value in {**table, "CellOffsets": cells, "ConnectivityIdOffsets": cells}.items():
             append_rows(steps[name], value)
         self._file.flush()  # the frame is in the file ...
         steps.attrs.modify("NSteps", np.int64(self.n_frames + 1))
-        self._file.flush()  # ... before the counter shows it
+        self._file.flush()  # ... before the counter shows it ...
+        append_rows(steps["Values"], [time])
+        self._file.flush()  # ... and never are there more times than the counter says
         self.n_frames += 1
         if clock.monotonic() - self._synced > SYNC_SECONDS:
             self._sync()
@@ -233,6 +239,8 @@ class ParticleFile:
         """Forget all frames from number `n_frames` on: those that a resumed run is going to write again."""
         if not 0 <= n_frames <= self.n_frames:
             raise ResultsError(f"{self.path}: cannot go back to {n_frames} frames, the file has {self.n_frames}")
+        self._steps["Values"].resize(n_frames, axis=0)
+        self._file.flush()  # first, since there may never be more times than the counter says
         self._steps.attrs.modify("NSteps", np.int64(n_frames))
         self._file.flush()
         self.n_frames = n_frames
@@ -258,8 +266,8 @@ class ParticleFile:
         """Flush, sync and close; does nothing the second time."""
         if self._file is not None:
             self._sync()
-            self._file.close()
-            self._file = None
+            file, self._file = self._file, None
+            close_trimmed(file)
 
     def __enter__(self) -> ParticleFile:
         return self
@@ -275,6 +283,13 @@ class ParticleFile:
         dataset(self._root, "Points", (3,), self._dtype, chunk, **filters)
         for name, ncomp in self.fields.items():
             dataset(self._root["PointData"], name, (ncomp,) if ncomp > 1 else (), self._dtype, chunk, **filters)
+
+    def _reserve(self, rows: dict[str, np.ndarray], fixed: dict[str, np.ndarray]) -> None:
+        arrays = [*rows.values(), *fixed.values()]
+        chunk = self._root["Points"].chunks[0]
+        # data sets grow by whole chunks; a new part has its table of vertices
+        room = sum(a.nbytes + chunk * a.itemsize * (a.shape[1] if a.ndim > 1 else 1) for a in arrays)
+        reserve(self._file, room + (0 if len(rows["Points"]) in self._parts else 8 * len(rows["Points"]) + (1 << 18)))
 
     def _append_frame(self, array: Any, rows: np.ndarray) -> int:
         chunk = array.chunks[0] if self._compress else 1
@@ -306,14 +321,6 @@ class ParticleFile:
         finally:
             os.close(handle)
         self._synced = clock.monotonic()
-
-    def _abandon(self) -> None:
-        """Close after a failed write, without hiding its reason behind a second error."""
-        file, self._file = self._file, None
-        try:
-            file.close()
-        except (OSError, RuntimeError):
-            pass
 
 
 def _plain(array: Any, dtype: str) -> np.ndarray:
