@@ -21,19 +21,20 @@ def bar_hypoelastic_stress(stress, L, dt, E):
 class HypoelasticJaumann(IsotropicElastic):
     r"""Hypoelasticity: the Jaumann rate of the Cauchy stress is linear in the rate of deformation.
 
-    .. math:: \dot\sigma = W \sigma - \sigma W + \lambda \, \mathrm{tr}(D) I + 2 \mu D , \quad D = \mathrm{sym}\, L , \; W = \mathrm{skew}\, L
+    .. math:: \dot\sigma = W \sigma - \sigma W + \lambda \, \mathrm{tr}(D) I + 2 \mu D , \quad
+              D = \mathrm{sym}\, L , \; W = \mathrm{skew}\, L
 
     For small elastic strains with any rotation. Known to fail: in simple shear by g the stress oscillates,
     :math:`\sigma_{12} = \mu \sin g`, :math:`\sigma_{11} = \mu (1 - \cos g)`; a closed path of large strain leaves a stress behind, since no
     energy function exists. The stored energy J sigma : S : sigma / 2 is an estimate, right to first order in the strain.
 
-    The wave speed is a bound: the acoustic tensor is :math:`(\lambda + \mu) n \otimes n + \mu I` and a part from the rotation of the stress whose
-    symmetric part is :math:`\tfrac12 [(n \cdot \sigma n) I - \sigma]`, at most half the difference of two principal stresses.
+    The wave speed is a bound: the acoustic tensor is :math:`(\lambda + \mu) n \otimes n + \mu I` and a part from the rotation of the
+    stress whose symmetric part is :math:`\tfrac12 [(n \cdot \sigma n) I - \sigma]`, at most half the difference of two principal stresses.
     """
 
     references = (
         "C. Truesdell (1955), The simplest rate theory of pure elasticity, doi:10.1002/cpa.3160080109",
-        "T.J.R. Hughes, J. Winget (1980), Finite rotation effects in numerical integration of rate constitutive equations, doi:10.1002/nme.1620151210",
+        "T.J.R. Hughes, J. Winget (1980), Finite rotation effects in numerical integration of rate equations, doi:10.1002/nme.1620151210",
         "J.K. Dienes (1979), On the analysis of rotation and stress rate in deforming bodies, simple shear, doi:10.1007/BF01379008",
     )
     stress = hypoelastic_stress

@@ -66,8 +66,8 @@ class LinearElastic(IsotropicElastic):
     """
 
     references = (
-        "S.P. Timoshenko, J.N. Goodier (1970), Theory of Elasticity, 3rd ed., section 6, eqs 3-6",
-        "SAND2002-0482, elastic bars of section 5",
+        "S.P. Timoshenko, J.N. Goodier (1970), Theory of Elasticity, 3rd ed., section 6",
+        "SAND2002-0482, elastic bars, Figs 1-12",
     )
     finite_strain = False
     expected_failures = {"objectivity": "a small-strain measure is not objective under large rotation"}  # noqa: RUF012

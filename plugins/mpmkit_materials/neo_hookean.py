@@ -75,10 +75,12 @@ class NeoHookean(IsotropicElastic):
 
     references = (
         "J.E. Guilkey, An introduction to the material point method, appendix A, eq 11 (eqs 12 and 19 corrected)",
-        "J.C. Simo, K.S. Pister (1984), Remarks on rate constitutive equations for finite deformation problems, doi:10.1016/0045-7825(84)90062-8",
-        "J. Bonet, R.D. Wood (2008), Nonlinear Continuum Mechanics for Finite Element Analysis, 2nd ed., section 6.4.3, doi:10.1017/CBO9780511755446",
+        "J.C. Simo, K.S. Pister (1984), Remarks on rate constitutive equations, doi:10.1016/0045-7825(84)90062-8",
+        "J. Bonet, R.D. Wood (2008), Nonlinear Continuum Mechanics for FEA, 2nd ed., section 6.4.3, doi:10.1017/CBO9780511755446",
     )
-    form: str = mpm.parameter("volumetric energy: quadratic or logarithmic", choices=("quadratic", "log"), default="quadratic", example="log")
+    form: str = mpm.parameter(
+        "volumetric energy: quadratic or logarithmic", choices=("quadratic", "log"), default="quadratic", example="log"
+    )
 
     @property
     def stress(self):

@@ -41,16 +41,16 @@ def fluid_diffusivity(J, viscosity, rho):
 class NewtonianFluid(mpm.ConstitutiveModel):
     r"""Weakly compressible Newtonian fluid: Murnaghan's (Tait's) pressure and a constant viscosity.
 
-    .. math:: \sigma = -p I + 2 \mu \, \mathrm{dev}\, D , \quad p = \frac{K}{\gamma} \left( J^{-\gamma} - 1 \right) , \quad J = \rho_0 / \rho
+    .. math:: \sigma = -p I + 2 \mu \, \mathrm{dev}\, D , \quad p = \frac{K}{\gamma} ( J^{-\gamma} - 1 ) , \quad J = \rho_0 / \rho
 
     The flow is nearly incompressible when the speed of sound :math:`\sqrt{K / \rho_0}` is at least ten times the fastest flow (density then
-    varies by about 1 %). There is no bulk viscosity and no cut-off: the fluid takes tension down to -K / gamma. Known to fail: J is integrated in
-    time, so that it drifts where particles mix for long (uneven density); no cavitation, no free-surface correction.
+    varies by about 1 %). There is no bulk viscosity and no cut-off: the fluid takes tension down to -K / gamma. Known to fail: J is
+    integrated in time, so that it drifts where particles mix for long (uneven density); no cavitation, no free-surface correction.
     """
 
     references = (
         "F.D. Murnaghan (1944), The compressibility of media under extreme pressures, doi:10.1073/pnas.30.9.244",
-        "J.J. Monaghan (1994), Simulating free surface flows with SPH, eqs 4.1-4.3, doi:10.1006/jcph.1994.1034",
+        "J.J. Monaghan (1994), Simulating free surface flows with SPH, doi:10.1006/jcph.1994.1034",
     )
     state = (mpm.Field("dissipated", "J/m^3", "energy lost to viscosity, per initial volume"),)
     stress = fluid_stress

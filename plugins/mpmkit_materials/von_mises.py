@@ -56,17 +56,20 @@ KERNELS = {"finite": finite_stress, "small": small_stress}
 class VonMises(IsotropicElastic):
     r"""Elastic-plastic metal: isotropic elasticity, von Mises yield, linear isotropic hardening or perfect plasticity.
 
-    .. math:: \sqrt{\tfrac32 s : s} \le Y + H \bar\varepsilon_p , \quad D_p = \dot{\bar\varepsilon}_p \, \frac{3 s}{2 \sqrt{\frac32 s : s}} , \quad
-              H = \frac{E E_t}{E - E_t}
+    .. math:: \sqrt{\tfrac32 s : s} \le Y + H \bar\varepsilon_p , \quad
+              D_p = \dot{\bar\varepsilon}_p \, \frac{3 s}{2 \sqrt{\frac32 s : s}} , \quad H = \frac{E E_t}{E - E_t}
 
-    with s the stress deviator and :math:`E_t` the slope of the uniaxial stress-strain curve after yield (0: perfectly plastic). The elastic part is in rate form
-    with a radial return: ``strain="finite"`` uses the Jaumann rate of the Cauchy stress and is objective, ``strain="small"`` adds C : D dt without rotation, as in
-    SAND2002-0482. The return is exact for linear hardening: a yielding point lies on the surface to rounding.
+    with s the stress deviator and :math:`E_t` the slope of the uniaxial stress-strain curve after yield (0: perfectly plastic). The
+    elastic part is in rate form with a radial return: ``strain="finite"`` uses the Jaumann rate of the Cauchy stress and is objective,
+    ``strain="small"`` adds C : D dt without rotation, as in SAND2002-0482. The return is exact for linear hardening: a yielding point
+    lies on the surface to rounding.
 
-    Valid for small elastic strains (Y much less than E); plastic strain may be large. The law does not depend on rate, temperature or the sign of the load
-    (no Bauschinger effect). Known to fail: ``strain="small"`` under rotation.
-    All plastic work, :math:`Y \bar\varepsilon_p + H \bar\varepsilon_p^2 / 2` per initial volume, is counted as dissipated, the part that hardening stores in
-    the lattice included. The wave speed is that of the elastic law (plastic waves are slower), bounded as in `HypoelasticJaumann`.
+    Valid for small elastic strains (Y much less than E); plastic strain may be large. The law does not depend on rate, temperature or
+    the sign of the load (no Bauschinger effect). Known to fail: ``strain="small"`` under rotation.
+
+    All plastic work, :math:`Y \bar\varepsilon_p + H \bar\varepsilon_p^2 / 2` per initial volume, is counted as dissipated, the part
+    that hardening stores in the lattice included. The wave speed is that of the elastic law (plastic waves are slower), bounded as in
+    `HypoelasticJaumann`.
     """
 
     references = (
@@ -86,15 +89,17 @@ class VonMises(IsotropicElastic):
     bar_wave_speed = bar_rate_wave_speed
 
     yield_stress: float = mpm.parameter("uniaxial stress at first yield", unit="Pa", gt=0.0, example=2e4)
-    tangent_modulus: float = mpm.parameter("slope of the uniaxial curve after yield; 0 is perfectly plastic", unit="Pa", ge=0.0, default=0.0, example=2e6)
+    tangent_modulus: float = mpm.parameter(
+        "slope of the uniaxial curve after yield; 0 is perfectly plastic", unit="Pa", ge=0.0, default=0.0, example=2e6
+    )
     strain: str = mpm.parameter("finite (objective) or small strain", choices=("finite", "small"), default="finite", example="small")
 
     def check(self):
         """The tangent modulus must be below Young's modulus."""
         if self.tangent_modulus >= self.E:
             raise ParameterError(
-                f"{type(self).__name__}.tangent_modulus must be < E = {self.E:g} Pa, got {self.tangent_modulus:g} (slope of the uniaxial curve "
-                "after yield); without yield use LinearElastic or HypoelasticJaumann"
+                f"{type(self).__name__}.tangent_modulus must be < E = {self.E:g} Pa, got {self.tangent_modulus:g} (slope of the "
+                "uniaxial curve after yield); without yield use LinearElastic or HypoelasticJaumann"
             )
 
     @property

@@ -32,7 +32,7 @@ class QuadraticBSpline(mpm.ShapeFunction):
     """
 
     references = (
-        "M. Steffen, R.M. Kirby, M. Berzins (2008), Analysis and reduction of quadrature errors in the material point method, doi:10.1002/nme.2360",
+        "M. Steffen, R.M. Kirby, M. Berzins (2008), Analysis and reduction of quadrature errors in the MPM, doi:10.1002/nme.2360",
     )
     nodes = 3
     offset = 0.5
@@ -51,7 +51,7 @@ class CubicBSpline(mpm.ShapeFunction):
     """
 
     references = (
-        "M. Steffen, R.M. Kirby, M. Berzins (2008), Analysis and reduction of quadrature errors in the material point method, doi:10.1002/nme.2360",
+        "M. Steffen, R.M. Kirby, M. Berzins (2008), Analysis and reduction of quadrature errors in the MPM, doi:10.1002/nme.2360",
     )
     nodes = 4
     offset = 1.0

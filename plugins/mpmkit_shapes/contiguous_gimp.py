@@ -58,7 +58,7 @@ class ContiguousGIMP(mpm.ShapeFunction):
 
     references = (
         "S.G. Bardenhagen, E.M. Kober (2004), The generalized interpolation material point method, doi:10.3970/cmes.2004.005.477",
-        "P.C. Wallstedt, J.E. Guilkey (2008), An evaluation of explicit time integration schemes for use with GIMP, doi:10.1016/j.jcp.2008.07.019",
+        "P.C. Wallstedt, J.E. Guilkey (2008), Explicit time integration schemes for use with GIMP, doi:10.1016/j.jcp.2008.07.019",
         "J.A. Nairn, J.E. Guilkey (2015), Axisymmetric form of the generalized interpolation material point method, doi:10.1002/nme.4792",
     )
     spaces = ("1D", "plane strain", "3D")

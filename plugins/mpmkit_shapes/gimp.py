@@ -28,7 +28,7 @@ class GIMP(mpm.ShapeFunction):
     """
 
     references = (
-        "S.G. Bardenhagen, E.M. Kober (2004), The generalized interpolation material point method, eqs 13-16 and 40, doi:10.3970/cmes.2004.005.477",
+        "S.G. Bardenhagen, E.M. Kober (2004), The generalized interpolation material point method, doi:10.3970/cmes.2004.005.477",
         "J.A. Nairn, J.E. Guilkey (2015), Axisymmetric form of the generalized interpolation material point method, doi:10.1002/nme.4792",
     )
     spaces = ("1D", "plane strain", "3D")

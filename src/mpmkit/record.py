@@ -25,11 +25,15 @@ class Record:
     """
 
     path: str = parameter("result file, ending in .vtkhdf or .hdf", example="run.vtkhdf")
-    every: float | None = parameter("simulated time between two frames; none for start and end only", unit="s", gt=0, default=None, example=0.05)
+    every: float | None = parameter(
+        "simulated time between two frames; none for start and end only", unit="s", gt=0, default=None, example=0.05
+    )
     fields: tuple[str, ...] = parameter("particle fields of each frame", default=("x", "v", "stress"), example=("x", "v", "stress"))
     history: int = parameter("a row of the history every that many steps", ge=1, default=10, example=10, kw_only=True)
     overwrite: bool = parameter("replace existing results", default=False, example=False, kw_only=True)
-    compress: bool = parameter("gzip the frames: about a fifth smaller, ten times slower to write", default=False, example=False, kw_only=True)
+    compress: bool = parameter(
+        "gzip the frames: about a fifth smaller, ten times slower to write", default=False, example=False, kw_only=True
+    )
     checkpoint: bool = parameter("write a checkpoint with each frame, to resume from", default=True, example=True, kw_only=True)
 
     def __attrs_post_init__(self) -> None:
@@ -37,10 +41,14 @@ class Record:
         if suffix not in SUFFIXES:
             near = did_you_mean(suffix, SUFFIXES) if suffix else ""
             wanted = Path(self.path).with_suffix(SUFFIXES[0]).name if Path(self.path).name else "run" + SUFFIXES[0]
-            raise ParameterError(f"Record.path must end in .vtkhdf or .hdf, got {self.path!r}{near} (such as {wanted!r}; ParaView goes by the ending)")
+            raise ParameterError(
+                f"Record.path must end in .vtkhdf or .hdf, got {self.path!r}{near} (such as {wanted!r}; ParaView goes by the ending)"
+            )
         twice = sorted({f for f in self.fields if self.fields.count(f) > 1})
         if twice:
             raise ParameterError(f"Record.fields must name each field once, got {', '.join(map(repr, twice))} more than once")
         for name in self.fields:
             if not name or "/" in name or "." in name:
-                raise ParameterError(f"Record.fields must be names of particle fields such as 'v' or 'stress', got {name!r}; components are chosen when drawing")
+                raise ParameterError(
+                    f"Record.fields must be names of particle fields such as 'v' or 'stress', got {name!r}; components are chosen when drawing"
+                )

@@ -207,5 +207,7 @@ class Results:
             "bodies": ", ".join(self.bodies),
             "written by": ", ".join(f"{k} {v}" for k, v in self.meta.get("versions", {}).items()),
         }
-        body = "".join(f"<tr><th style='text-align:left'>{k}</th><td style='text-align:left'>{escape(v)}</td></tr>" for k, v in rows.items() if v)
+        body = "".join(
+            f"<tr><th style='text-align:left'>{k}</th><td style='text-align:left'>{escape(v)}</td></tr>" for k, v in rows.items() if v
+        )
         return f"<b>{escape(self._source.where)}</b><table>{body}</table>"

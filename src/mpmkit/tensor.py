@@ -191,9 +191,9 @@ def rotation(L, dt):
 def largest_eigenvalue(s):
     """Largest eigenvalue of a symmetric tensor, by the trigonometric solution of its cubic."""
     q = (1.0 / 3.0) * (s[0] + s[1] + s[2])
-    x, y, z, xy, yz, xz = dev(s)
-    p2 = (x * x + y * y + z * z) * (1.0 / 6.0) + (xy * xy + yz * yz + xz * xz) * (1.0 / 3.0)
+    d = dev(s)
+    p = sqrt(ddot(d, d) * (1.0 / 6.0))
+    x, y, z, xy, yz, xz = scale(1.0 / max(p, 1e-30), d)  # the bound is for s = q I
     half_det = 0.5 * (x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz))
-    p = sqrt(p2)
-    r = max(-1.0, min(1.0, half_det / (p * p2 + 1e-30)))  # cosine of three times the angle; the small number is for s = q I
+    r = max(-1.0, min(1.0, half_det))  # cosine of three times the angle
     return q + 2.0 * p * cos((1.0 / 3.0) * atan2(sqrt(1.0 - r * r), r))

@@ -90,6 +90,7 @@ def view(
     target = _picture(path)
     from mpmkit._core.drawing import style
 
+    figure: Figure
     with style.styled():
         if _means_history(results, field):
             from mpmkit._core.drawing.over_time import draw_history, energy_columns

@@ -266,11 +266,10 @@ def test_check_of_a_broken_plugin(call, fakes):
 
 
 def test_a_reader_that_stops_reading_is_no_failure():
-    process = subprocess.Popen([sys.executable, "-m", "mpmkit", "schema"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    process.stdout.read(10)
-    process.stdout.close()
-    assert process.stderr.read() == b""
-    process.wait(60)
+    with subprocess.Popen([sys.executable, "-m", "mpmkit", "schema"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.read(10)  # of more than a pipe holds, so that the writer is still writing
+        process.stdout.close()
+        assert process.stderr.read() == b""
 
 
 def test_ctrl_c_ends_with_130(fakes):

@@ -46,7 +46,8 @@ def test_scaling_with_speed_and_yield_stress():
 
 
 def test_perfect_plasticity_numbers():
-    # pinned, exact: e = 2 Y / (rho C V0) - ... = 1/5, separation 4 L / C = 0.02, a hinge of 6e-4 at the face, no vibration
+    # pinned, exact: the wall presses with 4 for 0.01 s and with 2 for 0.01 s, 0.06 = rho L (V0 + v), so v = 0.02 and e = 1/5;
+    # the hinge at the face closes with 0.06 m/s for 0.01 s; nothing vibrates afterwards
     bar = PlasticBarImpact(**BAR, Y=4.0, Et=0.0)
     assert bar.separation_time == pytest.approx(0.02, rel=1e-12)
     assert bar.restitution == pytest.approx(0.2, rel=1e-12)
@@ -67,7 +68,7 @@ def test_slow_impact_is_elastic(Et):
         assert bar.velocity(X, t) == pytest.approx(pair.velocity(0.5 + X, t), abs=1e-14)
         assert bar.displacement(X, t) == pytest.approx(pair.displacement(0.5 + X, t), abs=1e-16)
     assert bar.restitution == pytest.approx(1.0, rel=1e-12)
-    assert bar.plastic_shortening(0.02) == 0.0
+    assert abs(bar.plastic_shortening(0.02)) <= 1e-16  # rounding, of the displacement 5e-4
 
 
 @pytest.mark.parametrize("bar", CASES)
@@ -141,12 +142,12 @@ def leapfrog_momentum(n, bar, until=0.012):
 
 
 def test_bad_input_is_named():
-    with pytest.raises(ParameterError, match="Et must be < E = 10000, got 10000"):
+    with pytest.raises(ParameterError, match=r"Et must be < E = 10000, got 10000"):
         PlasticBarImpact(**BAR, Y=4.0, Et=1e4)
     bar = PlasticBarImpact(**BAR, Y=4.0, Et=2500.0, until=0.005)
-    with pytest.raises(ParameterError, match="still in contact"):
+    with pytest.raises(ParameterError, match=r"still in contact"):
         _ = bar.separation_time
-    with pytest.raises(ParameterError, match="give a larger until"):
+    with pytest.raises(ParameterError, match=r"give a larger until"):
         bar.stress(0.1, 0.006)
     with pytest.raises(ParameterError, match=r"X must lie in \[0, 0.5\], got 0.6"):
         bar.stress([0.1, 0.6], 0.001)

@@ -67,7 +67,7 @@ def test_neo_hookean_uniaxial_and_shear(form):
 
 
 def test_neo_hookean_is_the_corrected_law():
-    """Guilkey's eq 11 at a stretch of 1.2, lam = 577 Pa, mu = 384 Pa: 246.6 Pa; eq 12 with only its bracket repaired would give 274.7 Pa (rounded to 0.1)."""
+    """Guilkey's eq 11 at a stretch of 1.2 gives 246.6 Pa; eq 12 with only its bracket repaired would give 274.7 Pa (rounded to 0.1)."""
     law = NeoHookean(E=E, nu=NU, rho=RHO)
     stress = law.stress((1.2, 0, 0, 0, 1.0, 0, 0, 0, 1.0), 577.0, 384.0)[0]
     assert stress == pytest.approx((577.0 / 2 + 384.0) * (1.2 - 1 / 1.2), rel=1e-14)
@@ -144,7 +144,7 @@ def test_jaumann_uniaxial_strain_is_logarithmic():
 
 @pytest.mark.parametrize("strain", ["finite", "small"])
 def test_perfect_plasticity_in_pure_shear(strain):
-    """The deviator stops at Y: sigma_xx - sigma_yy = 2 Y / sqrt(3); eps_p = 2/sqrt(3) (e - e_y). Rounding: 1e-12, the return is exact here."""
+    """The deviator stops at Y: sigma_xx - sigma_yy = 2 Y / sqrt(3); eps_p = 2/sqrt(3) (e - e_y). Rounding: 1e-12."""
     Y = 10.0
     history = drive(VonMises(E=E, nu=NU, rho=RHO, yield_stress=Y, strain=strain), pure_shear(0.1, 50))
     stress, e_y = history.stress[-1], Y / (2 * math.sqrt(3) * MU)
@@ -189,7 +189,7 @@ def test_bar_follows_the_stress_strain_curve(Et, steps):
 
 
 def test_bar_at_the_impact_of_the_report():
-    """SAND2002-0482 Figs 13-16, V0 = 0.1, Y = 4, Et = E/4: precursor -4, then the plastic wave of speed 50 brings the contact stress to -7. Rounding."""
+    """SAND2002-0482 Figs 13-16, V0 = 0.1, Y = 4, Et = E/4: precursor -4, then the plastic wave of speed 50 brings it to -7. Rounding."""
     law = VonMises(E=1e4, nu=0.0, rho=1.0, yield_stress=4.0, tangent_modulus=2500.0)
     # strain behind the waves: v = 0.04 / 100 up to yield, the remaining 0.06 at the plastic speed sqrt(Et / rho) = 50
     strain = -(0.04 / 100 + 0.06 / 50)

@@ -18,7 +18,10 @@ META = {"bodies": BODIES, "dim": 2, "space": "plane strain", "versions": {"mpmki
 def frames(count=5, n=12):
     rng = np.random.default_rng(4)
     body = np.repeat([0, 1], n // 2)
-    return [(0.25 * k, 10 * k, {"x": rng.random((n, 2)), "v": rng.random((n, 2)), "stress": rng.random((n, 6)), "body": body}) for k in range(count)]
+    return [
+        (0.25 * k, 10 * k, {"x": rng.random((n, 2)), "v": rng.random((n, 2)), "stress": rng.random((n, 6)), "body": body})
+        for k in range(count)
+    ]
 
 
 HISTORY = {"step": np.arange(0, 50, 10), "t": np.arange(5) * 0.25, "kinetic": np.linspace(2, 1, 5)}

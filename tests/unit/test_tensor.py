@@ -72,8 +72,17 @@ def test_rotation_is_orthogonal_and_the_exponential_of_the_spin(dt):
 
 @pytest.mark.parametrize(
     "M",
-    [S, -S, np.eye(3), np.zeros((3, 3)), np.diag([1.0, 2.0, 2.0]), np.diag([2.0, 1.0, 1.0]), np.diag([1.0, 1.0 + 1e-9, 1.0]), 1e9 * S, 1e-9 * S],
-    ids=["random", "negative", "unit", "zero", "double largest", "double smallest", "nearly unit", "large", "small"],
+    [
+        pytest.param(S, id="random"),
+        pytest.param(-S, id="negative"),
+        pytest.param(np.eye(3), id="unit"),
+        pytest.param(np.zeros((3, 3)), id="zero"),
+        pytest.param(np.diag([1.0, 2.0, 2.0]), id="double largest"),
+        pytest.param(np.diag([2.0, 1.0, 1.0]), id="double smallest"),
+        pytest.param(np.diag([1.0, 1.0 + 1e-9, 1.0]), id="nearly unit"),
+        pytest.param(1e60 * S, id="large"),
+        pytest.param(1e-20 * S, id="small"),
+    ],
 )
 def test_largest_eigenvalue(M):
     """Rounding: 1e-14 of the norm, 1e-8 where two eigenvalues coincide (the root of machine epsilon, as for any root of a cubic)."""

@@ -34,7 +34,7 @@ class ForcedBar(Solution):
 
     References
     ----------
-    SAND2002-0482, section 4, Figs 1 to 6; Graff (1975), Wave Motion in Elastic Solids, section 2.3.
+    SAND2002-0482, section 4, Figs 1 to 6; Graff (1975), Wave Motion in Elastic Solids, chapter 2.
     """
 
     L: float = parameter("length", unit="m", gt=0, example=1.0)
@@ -104,7 +104,7 @@ class BarImpact(Solution):
 
     References
     ----------
-    SAND2002-0482, section 4, Figs 7 to 10; Graff (1975), Wave Motion in Elastic Solids, section 2.4.
+    SAND2002-0482, section 4, Figs 7 to 10; Graff (1975), Wave Motion in Elastic Solids, chapter 2.
     """
 
     V0: float = parameter("speed of each bar before contact", unit="m/s", gt=0, example=0.1)

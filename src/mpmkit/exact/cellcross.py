@@ -61,7 +61,7 @@ def gimp(half_size: float) -> Shape1D:
 
     References
     ----------
-    Bardenhagen and Kober (2004), CMES 5, 477, eq. 28 and 29.
+    Bardenhagen and Kober (2004), Comput. Model. Eng. Sci. 5, 477.
 
     Raises
     ------
@@ -96,9 +96,7 @@ def nodal_force(shape: Shape1D | str, spacing: float, offsets: Array) -> Array:
     ParameterError
         If the name is unknown or the spacing not positive.
     """
-    shape = _shape(shape)
-    if not spacing > 0.0:
-        raise ParameterError(f"spacing must be > 0 (particle spacing over cell size), got {spacing:g}")
+    shape = _checked(shape, spacing)
     reach = int(np.ceil(shape.kinks[-1] / spacing)) + 1
     k = np.arange(-reach, reach + 1)
     offsets = np.asarray(offsets, dtype=np.float64) % 1.0
@@ -123,7 +121,7 @@ def cell_crossing_force(shape: Shape1D | str, spacing: float) -> float:
     --------
     ``cell_crossing_force("linear", 1 / 1.1)`` is 1 / 1.1: the node loses a whole particle.
     """
-    shape = _shape(shape)
+    shape = _checked(shape, spacing)
     edges = np.array([0.0, 1.0, *(s * kink / spacing % 1.0 for kink in shape.kinks for s in (-1.0, 1.0))])
     edges = np.unique(edges)
     # Pieces as short as rounding are not pieces.
@@ -139,7 +137,9 @@ def cell_crossing_force(shape: Shape1D | str, spacing: float) -> float:
     return float(np.max(np.abs(candidates)))
 
 
-def _shape(shape: Shape1D | str) -> Shape1D:
+def _checked(shape: Shape1D | str, spacing: float) -> Shape1D:
+    if not spacing > 0.0:
+        raise ParameterError(f"spacing must be > 0 (particle spacing over cell size), got {spacing:g}")
     if isinstance(shape, Shape1D):
         return shape
     if shape not in SHAPES:

@@ -17,7 +17,7 @@ class BlockOnIncline(Solution):
 
     References
     ----------
-    Bardenhagen, Brackbill and Sulsky (2000), Comput. Methods Appl. Mech. Eng. 187, 529, section 4 (as a test of contact).
+    Bardenhagen, Brackbill and Sulsky (2000), Comput. Methods Appl. Mech. Eng. 187, 529 (as a test of contact).
     """
 
     theta: float = parameter("angle of the plane", unit="rad", ge=0, lt=math.pi / 2, example=math.pi / 6)
@@ -51,7 +51,7 @@ class DiskOnIncline(Solution):
 
     References
     ----------
-    Bardenhagen, Brackbill and Sulsky (2000), Comput. Methods Appl. Mech. Eng. 187, 529, section 4.
+    Bardenhagen, Brackbill and Sulsky (2000), Comput. Methods Appl. Mech. Eng. 187, 529.
     """
 
     theta: float = parameter("angle of the plane", unit="rad", ge=0, lt=math.pi / 2, example=math.pi / 6)

@@ -88,7 +88,7 @@ class AxisAligned(Manufactured):
 
     References
     ----------
-    Sadeghirad, Brannon and Burghardt (2011), Int. J. Numer. Meth. Eng. 86, 1435, section 5 (2D);
+    Sadeghirad, Brannon and Burghardt (2011), Int. J. Numerical Methods Eng. 86, 1435 (2D);
     Wallstedt and Guilkey (2008), J. Comput. Phys. 227, 9628.
     """
 
@@ -171,7 +171,7 @@ class Vortex(Manufactured):
 
     References
     ----------
-    Kamojjala, Brannon, Sadeghirad and Guilkey (2015), Eng. Comput. 31, 341.
+    Kamojjala, Brannon, Sadeghirad and Guilkey (2015), Eng. with Computers 31, 193, doi:10.1007/s00366-013-0342-x.
     """
 
     A: float = parameter("largest angle", unit="rad", gt=0, default=1.0)

@@ -21,7 +21,7 @@ class VibratingBar(Solution):
 
     References
     ----------
-    Graff (1975), Wave Motion in Elastic Solids, section 2.4; Bardenhagen (2002), J. Comput. Phys. 180, 383 (as a test of
+    Graff (1975), Wave Motion in Elastic Solids, chapter 2; Bardenhagen (2002), J. Comput. Phys. 180, 383 (as a test of
     energy conservation in the material point method).
     """
 

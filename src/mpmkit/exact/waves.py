@@ -40,7 +40,7 @@ class Interface(Solution):
 
     References
     ----------
-    Graff (1975), Wave Motion in Elastic Solids, section 2.2.
+    Graff (1975), Wave Motion in Elastic Solids, chapter 2.
     """
 
     Z1: float = parameter("impedance on the side of the incident wave", unit="Pa*s/m", gt=0, example=100.0)

@@ -26,7 +26,9 @@ class Declared:
 CHECKS: list[Declared] = []
 
 
-def check(kind: str, name: str, *, when: Condition = lambda component: True, once: bool = False) -> Callable[[CheckFunction], CheckFunction]:
+def check(
+    kind: str, name: str, *, when: Condition = lambda component: True, once: bool = False
+) -> Callable[[CheckFunction], CheckFunction]:
     """Add a function ``(component, rng)`` that raises `AssertionError` to the suite.
 
     Parameters

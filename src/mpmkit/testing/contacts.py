@@ -56,7 +56,10 @@ def acts_on_overlap(contact: ContactAlgorithm, rng: Any) -> None:
     for _ in range(PAIRS):
         given = sample(contact, rng) | {"gap": -0.01}
         if approach(given) > 0.1:
-            expect(impulse(contact, given) @ given["normal"] < 0.0, f"no impulse on overlapping bodies that approach at {approach(given):g} m/s")
+            expect(
+                impulse(contact, given) @ given["normal"] < 0.0,
+                f"no impulse on overlapping bodies that approach at {approach(given):g} m/s",
+            )
 
 
 @check("contact", "equal under swap")
@@ -77,7 +80,12 @@ def seen_alike_by_a_moving_observer(contact: ContactAlgorithm, rng: Any) -> None
         shift = 10.0 * rng.normal(size=3)
         moving = given | {name: tuple(np.add(given[name], shift).tolist()) for name in ("v_a", "v_b")}
         masses = given["m_a"] * given["m_b"] / (given["m_a"] + given["m_b"])
-        expect_close(impulse(contact, moving), impulse(contact, given), 1e-12 * masses * (1.0 + float(np.linalg.norm(shift))), "impulse in a moving frame")
+        expect_close(
+            impulse(contact, moving),
+            impulse(contact, given),
+            1e-12 * masses * (1.0 + float(np.linalg.norm(shift))),
+            "impulse in a moving frame",
+        )
 
 
 @check("contact", "friction is bounded", when=lambda contact: isinstance(getattr(contact, "friction", None), float))
@@ -89,7 +97,10 @@ def friction_is_bounded(contact: Any, rng: Any) -> None:
         u = np.subtract(given["v_a"], given["v_b"])
         tangential = p - (p @ n) * n
         slack = 1e-12 * momentum(given)
-        expect(np.linalg.norm(tangential) <= contact.friction * abs(p @ n) + slack, f"tangential impulse {np.linalg.norm(tangential):g} N s exceeds friction")
+        expect(
+            np.linalg.norm(tangential) <= contact.friction * abs(p @ n) + slack,
+            f"tangential impulse {np.linalg.norm(tangential):g} N s exceeds friction",
+        )
         expect(tangential @ u <= slack, "the tangential impulse pushes in the direction of sliding")
 
 

@@ -75,7 +75,9 @@ def drive(material: ConstitutiveModel, F_path: ArrayLike, dt: float = 1e-3, *, b
     if hooks["stress"] is None:
         raise ParameterError(f"drive: {type(material).__name__} has no kernel bar_stress for uniaxial stress; leave out bar=True")
     point = start(material, path[0], dt)
-    columns: dict[str, list[Any]] = {name: [] for name in ("stress", "work", "energy", "dissipation", "wave_speed", *(f.name for f in material.state))}
+    columns: dict[str, list[Any]] = {
+        name: [] for name in ("stress", "work", "energy", "dissipation", "wave_speed", *(f.name for f in material.state))
+    }
     work, power = 0.0, np.zeros(3)
     for n, F in enumerate(path):
         L = np.zeros((3, 3)) if n == 0 else logarithm(F @ np.linalg.inv(path[n - 1]), n) / dt
@@ -136,7 +138,9 @@ def logarithm(A: Array, step: int = 0) -> Array:
     X = (A - eye) @ np.linalg.inv(A + eye)
     size = float(np.linalg.norm(X))
     if size > 0.5:
-        raise ParameterError(f"drive: step {step} of the path is too large (|F_new F_old^-1 - I| = {np.linalg.norm(A - eye):.3g}); use smaller steps")
+        raise ParameterError(
+            f"drive: step {step} of the path is too large (|F_new F_old^-1 - I| = {np.linalg.norm(A - eye):.3g}); use smaller steps"
+        )
     square, term, total, k = X @ X, X, X.copy(), 1
     while np.linalg.norm(term) > 1e-18 and k < 80:
         k += 2

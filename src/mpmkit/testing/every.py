@@ -102,7 +102,10 @@ def docstring_has_equation_and_reference(component: Component, rng: Any) -> None
     expect(summary.endswith("."), f"the docstring of {cls.__name__} does not start with one sentence on one line: {summary!r}")
     everything = text + " ".join(k.__doc__ or "" for k in kernels_of(component).values())
     recipe = cls.kind in ("integrator", "discretization")  # their equations are the verbs of the step
-    expect(recipe or "=" in everything or ".. math::" in text, f"neither the docstring of {cls.__name__} nor those of its kernels have an equation")
+    expect(
+        recipe or "=" in everything or ".. math::" in text,
+        f"neither the docstring of {cls.__name__} nor those of its kernels have an equation",
+    )
     expect(cls.references or "References" in text, f"{cls.__name__} names no reference")
 
 
@@ -113,7 +116,10 @@ def declared_facts_are_known_words(component: Component, rng: Any) -> None:
     expect(cls.spaces and set(cls.spaces) <= set(SPACES), f"{cls.__name__}.spaces must be some of {SPACES}, got {cls.spaces}")
     expect(cls.precisions and set(cls.precisions) <= {"float64", "float32"}, f"{cls.__name__}.precisions: {cls.precisions}")
     for field in component.state:
-        expect(field.name.isidentifier() and field.doc, f"{cls.__name__}: state field {field.name!r} needs a name that is an identifier, and a doc")
+        expect(
+            field.name.isidentifier() and field.doc,
+            f"{cls.__name__}: state field {field.name!r} needs a name that is an identifier, and a doc",
+        )
         expect(field.name not in specs(cls), f"{cls.__name__}: {field.name!r} is both a parameter and a state field")
 
 
@@ -133,7 +139,9 @@ def same_input_gives_the_same_bits(component: Component, rng: Any) -> None:
     for hook, kernel in kernels_of(component).items():
         first = flat(call(component, kernel, given))
         call(component, kernel, other)
-        expect(flat(call(component, kernel, given)) == first, f"{type(component).__name__}.{hook} gives another result when it is called again")
+        expect(
+            flat(call(component, kernel, given)) == first, f"{type(component).__name__}.{hook} gives another result when it is called again"
+        )
 
 
 @check("all", "compiled equals plain Python", when=has_kernels)
@@ -167,7 +175,10 @@ def single_precision_stays_single(component: Component, rng: Any) -> None:
         expect(np.all(np.isfinite(flat(result))), f"{type(component).__name__}.{hook} is not finite in single precision: {result}")
         if hasattr(fast, "nopython_signatures"):
             made = fast.nopython_signatures[-1].return_type
-            expect("float64" not in str(made), f"{type(component).__name__}.{hook} returns {made} in single precision; write constants as floats")
+            expect(
+                "float64" not in str(made),
+                f"{type(component).__name__}.{hook} returns {made} in single precision; write constants as floats",
+            )
 
 
 @cache

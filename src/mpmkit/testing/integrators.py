@@ -44,7 +44,10 @@ def integrator_recipe(integrator: Integrator, rng: Any) -> None:
     updated = verbs[verbs.index("momentum") :]
     for verb in ("g2p", "advect"):
         between = updated[: updated.index(verb)] if verb in updated else []
-        expect("boundary" in between and "contact" in between, f"{type(integrator).__name__}.step must call contact and boundary between momentum and {verb}")
+        expect(
+            "boundary" in between and "contact" in between,
+            f"{type(integrator).__name__}.step must call contact and boundary between momentum and {verb}",
+        )
 
 
 @check("integrator", "same recipe every time")
@@ -55,7 +58,10 @@ def same_recipe_every_time(integrator: Integrator, rng: Any) -> None:
 
 @check("integrator", "free flight")
 def integrator_free_flight(integrator: Integrator, rng: Any) -> None:
-    """A body that nothing acts on keeps its velocity exactly. A choice beside the defaults may be refused, with a reason, when it is composed."""
+    """A body that nothing acts on keeps its velocity exactly.
+
+    A choice beside the defaults may be refused, with a reason, when it is composed.
+    """
     try:
         check_free_flight(integrator=integrator)
     except CompositionError:
@@ -102,4 +108,6 @@ def transfer_facts(transfer: Transfer, rng: Any) -> None:
     name = type(transfer).__name__
     expect(transfer.affine in ("none", "moment", "gradient"), f"{name}.affine is {transfer.affine!r}")
     expect(transfer.passes >= 1, f"{name}.passes is {transfer.passes}")
-    expect("v_smooth" not in transfer.velocity.arguments or transfer.passes > 1, f"{name} asks for v_smooth, which exists for passes > 1 only")
+    expect(
+        "v_smooth" not in transfer.velocity.arguments or transfer.passes > 1, f"{name} asks for v_smooth, which exists for passes > 1 only"
+    )

@@ -50,7 +50,9 @@ def returns_stress_and_state(material: ConstitutiveModel, rng: Any) -> None:
     stress, state = (result[0], result[1:]) if material.state else (result, ())
     name = type(material).__name__
     expect(len(flat(stress)) == 6, f"{name}.stress must return xx, yy, zz, xy, yz, xz, got {stress!r}")
-    expect(len(state) == len(material.state), f"{name}.stress must return the stress and {len(material.state)} state values, got {len(state)}")
+    expect(
+        len(state) == len(material.state), f"{name}.stress must return the stress and {len(material.state)} state values, got {len(state)}"
+    )
     for field, value in zip(material.state, state, strict=True):
         expect(len(flat(value)) == SIZES[field.shape], f"{name}.stress returns {value!r} for the {field.shape} {field.name}")
 
@@ -85,13 +87,21 @@ def objectivity(material: ConstitutiveModel, rng: Any) -> None:
     size = float(np.linalg.norm(before.stress[-1]))
     wanted = turn @ matrix(before.stress[-1]) @ turn.T
     expect_close(matrix(after.stress[-1]), wanted, 1e-4 * size + 1e-12 * modulus(material), "stress after the rotation")
-    expect_close(after.energy[-1], before.energy[-1], 1e-4 * abs(before.energy[-1]) + 1e-12 * modulus(material), "stored energy after the rotation")
+    expect_close(
+        after.energy[-1], before.energy[-1], 1e-4 * abs(before.energy[-1]) + 1e-12 * modulus(material), "stored energy after the rotation"
+    )
 
 
 @check("material", "finite over stretches")
 def finite_over_stretches(material: ConstitutiveModel, rng: Any) -> None:
-    """Stress, energy, state and wave speed are finite, and the wave speed is positive, for stretches from 0.7 to 1.4 and shear up to 0.7."""
-    for A in (np.diag([0.4, 0, 0]), np.diag([-0.3, 0, 0]), np.diag([0.4, 0.4, 0.4]), -0.3 * np.eye(3), np.array([[0, 0.7, 0], [0, 0, 0], [0, 0, 0.0]])):
+    """Stress, energies and wave speed are finite, and the wave speed is positive, for stretches from 0.7 to 1.4 and shear up to 0.7."""
+    for A in (
+        np.diag([0.4, 0, 0]),
+        np.diag([-0.3, 0, 0]),
+        np.diag([0.4, 0.4, 0.4]),
+        -0.3 * np.eye(3),
+        np.array([[0, 0.7, 0], [0, 0, 0], [0, 0, 0.0]]),
+    ):
         history = drive(material, straight(A, 40))
         for name in ("stress", "energy", "dissipation", "wave_speed"):
             values = getattr(history, name)
@@ -103,8 +113,8 @@ def finite_over_stretches(material: ConstitutiveModel, rng: Any) -> None:
 def stress_is_the_derivative_of_the_energy(material: ConstitutiveModel, rng: Any) -> None:
     """sigma = dW/dF F^T / J, by central differences.
 
-    Tolerance (rate): 1e-8 of the modulus for the differences; for a law of small strain moreover 10 times strain times stress, as it distinguishes no
-    configurations.
+    Tolerance (rate): 1e-7 of the modulus for the differences; for a law of small strain moreover 10 times strain times stress, as it
+    distinguishes no configurations.
     """
     assert material.energy is not None
     size = 0.2 if material.finite_strain else 1e-3
@@ -115,7 +125,9 @@ def stress_is_the_derivative_of_the_energy(material: ConstitutiveModel, rng: Any
         for i in range(9):
             step = np.zeros(9)
             step[i] = 1e-4 * size
-            ahead, behind = (float(call(material, material.energy, start(material, F + sign * step.reshape(3, 3), SLOW))) for sign in (1, -1))
+            ahead, behind = (
+                float(call(material, material.energy, start(material, F + sign * step.reshape(3, 3), SLOW))) for sign in (1, -1)
+            )
             P.flat[i] = (ahead - behind) / (2.0 * step[i])
         point = start(material, F, SLOW)
         advance(material, material.stress, point)
@@ -154,7 +166,9 @@ def stays_on_or_inside_the_yield_surface(material: ConstitutiveModel, rng: Any) 
     largest, values = float(np.abs(history.stress).max()), []
     for n, F in enumerate(path):
         state = {name: tuple(v[n]) if v.ndim > 1 else float(v[n]) for name, v in history.state.items()}
-        values.append(float(call(material, material.yield_function, start(material, F, 1e-3) | state | {"stress": tuple(history.stress[n])})))
+        values.append(
+            float(call(material, material.yield_function, start(material, F, 1e-3) | state | {"stress": tuple(history.stress[n])}))
+        )
     expect(max(values) <= 1e-9 * largest, f"the yield function reaches {max(values):g} Pa at step {int(np.argmax(values))}")
     expect(max(values) >= -1e-9 * largest, "3 % strain does not reach the yield surface; choose examples that do")
 
@@ -173,8 +187,14 @@ def wave_speed_bounds_the_acoustic_tensor(material: ConstitutiveModel, rng: Any)
         speed = float(call(material, material.wave_speed, point))
         bound = material.rho / point["J"] * speed**2
         largest = max(_largest(material, point, n / np.linalg.norm(n)) for n in rng.normal(size=(12, 3)))
-        expect(bound >= largest * (1.0 - 1e-6) - 1e-6 * scale, f"rho c^2 = {bound:.6g} Pa < {largest:.6g} Pa, the stiffness of a wave at F = {F.tolist()}")
-        expect(k > 0 or bound <= 4.0 * largest, f"rho c^2 = {bound:.6g} Pa at the start, more than 4 x {largest:.6g} Pa: the time step would be too short")
+        expect(
+            bound >= largest * (1.0 - 1e-6) - 1e-6 * scale,
+            f"rho c^2 = {bound:.6g} Pa < {largest:.6g} Pa, the stiffness of a wave at F = {F.tolist()}",
+        )
+        expect(
+            k > 0 or bound <= 4.0 * largest,
+            f"rho c^2 = {bound:.6g} Pa at the start, more than 4 x {largest:.6g} Pa: the time step would be too short",
+        )
 
 
 def _end(material: ConstitutiveModel, path: Array) -> dict[str, Any]:
@@ -236,4 +256,7 @@ def bar_wave_speed_bounds_the_slope(material: ConstitutiveModel, rng: Any) -> No
         history = drive(material, straight(np.diag([sign * 0.2, 0, 0]), 200), SLOW, bar=True)
         slope = np.diff(history.stress[:, 0]) / np.diff(np.log(history.F[:, 0, 0]))
         bound = material.rho / history.F[:, 0, 0] * history.wave_speed**2
-        expect(np.all(np.maximum(bound[1:], bound[:-1]) >= 0.99 * slope), f"rho c^2 falls below the slope of the bar by {np.max(slope / bound[1:]):.4g}")
+        expect(
+            np.all(np.maximum(bound[1:], bound[:-1]) >= 0.99 * slope),
+            f"rho c^2 falls below the slope of the bar by {np.max(slope / bound[1:]):.4g}",
+        )

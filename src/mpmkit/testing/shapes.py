@@ -116,8 +116,13 @@ def describes_its_support(shape: ShapeFunction, rng: Any) -> None:
     """The declared facts fit each other."""
     name = type(shape).__name__
     expect(shape.particle_size in ("none", "initial", "current"), f"{name}.particle_size is {shape.particle_size!r}")
-    expect(("half" in shape.weights.arguments) == (shape.particle_size != "none"), f"{name}: the kernel asks for half, or not, against particle_size")
-    expect(2.0 * shape.offset == shape.nodes - 2, f"{name}: {shape.nodes} nodes around the particle need offset = {(shape.nodes - 2) / 2:g}")
+    expect(
+        ("half" in shape.weights.arguments) == (shape.particle_size != "none"),
+        f"{name}: the kernel asks for half, or not, against particle_size",
+    )
+    expect(
+        2.0 * shape.offset == shape.nodes - 2, f"{name}: {shape.nodes} nodes around the particle need offset = {(shape.nodes - 2) / 2:g}"
+    )
 
 
 @check("shape", "free flight", when=lambda shape: "plane strain" in shape.spaces)

@@ -90,7 +90,13 @@ def report(target: Target = None) -> list[dict[str, Any]]:
     for check in iter_checks(target):
         kind = "plugin" if isinstance(check.component, str) else check.component.kind
         name = check.component if isinstance(check.component, str) else check.component.__name__
-        row = {"component": name, "kind": kind, "check": check.name, "passed": True, "reason": f"known failure: {check.known}" if check.known else ""}
+        row = {
+            "component": name,
+            "kind": kind,
+            "check": check.name,
+            "passed": True,
+            "reason": f"known failure: {check.known}" if check.known else "",
+        }
         try:
             check.run()
         except KeyboardInterrupt:
@@ -111,7 +117,9 @@ def _find(target: str | None) -> tuple[list[Entry], list[Broken]]:
     if not entries and not broken:
         names = {e.plugin for e in found.entries} | {e.distribution for e in found.entries} | {e.name for e in found.entries}
         names |= {b.plugin for b in found.broken} | {b.distribution for b in found.broken}
-        raise PluginError(f"no plugin, distribution or component named {target!r} is installed{did_you_mean(target, names)} (see: mpmkit list-plugins)")
+        raise PluginError(
+            f"no plugin, distribution or component named {target!r} is installed{did_you_mean(target, names)} (see: mpmkit list-plugins)"
+        )
     return entries, broken
 
 
@@ -166,7 +174,9 @@ def _runner(declared: Declared, component: Component, name: str, known: str) -> 
                 return
             raise
         if known:
-            raise AssertionError(f"{type(component).__name__} declares {name!r} as a known failure ({known}), but the check passes: remove the entry")
+            raise AssertionError(
+                f"{type(component).__name__} declares {name!r} as a known failure ({known}), but the check passes: remove the entry"
+            )
 
     return run
 

@@ -96,10 +96,8 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
             channel = "v"
         elif verb == "contact":
             if c.contact is not None:
-                # before the momentum update is used, both the old and the new velocities become admissible
-                for one in ("v_old", "v") if channel == "v" and not out.has_velocity else (channel,):
-                    out.phases.append(Phase("contact", f"contact_{one}", channel=one, who=(_name(c.contact),)))
-                    out.contact_channels.append(one)
+                out.phases.append(Phase("contact", f"contact_{channel}", channel=channel, who=(_name(c.contact),)))
+                out.contact_channels.append(channel)
         elif verb == "boundary":
             for role in noded:
                 out.phases.append(Phase("boundary", f"{role}_{channel}", role=role, channel=channel, who=(role,)))

@@ -54,7 +54,14 @@ def draw_history(results: Results, columns: Sequence[str]) -> Any:
             total = name == "total"
             colour = style.INK if total else style.BODIES[number % len(style.BODIES)]
             number += not total
-            panel.plot(time * factor, data[name] * scale, color=colour, linewidth=1.2 if total else 1.7, linestyle=(0, (5, 2)) if total else "-", label=_words(name))
+            panel.plot(
+                time * factor,
+                data[name] * scale,
+                color=colour,
+                linewidth=1.2 if total else 1.7,
+                linestyle=(0, (5, 2)) if total else "-",
+                label=_words(name),
+            )
         single = _words(names[0]) if len(names) == 1 and unit != "J" else "energy" if unit == "J" else ""
         panel.set_ylabel(style.with_unit(single, shown_unit).strip())
         panel.axhline(0, color=style.FAINT, linewidth=0.6, zorder=0)

@@ -26,7 +26,7 @@ def draw_plane(
     *,
     limits: tuple[float, float] | None,
     cmap: str | None,
-    window: tuple[tuple[float, float], tuple[float, float]] | None,
+    window: tuple[tuple[float, float], ...] | None,
     marker: str,
 ) -> Any:
     """Draw frames side by side with one colour scale; see `mpmkit.views.view`."""
@@ -55,7 +55,7 @@ def draw_plane(
     ticks = MaxNLocator(5 if columns == 1 else 3, steps=[1, 2, 2.5, 5, 10])
     for k, (panel, frame, value) in enumerate(zip(axes.flat, frames, values, strict=False)):
         shapes = PolyCollection(
-            _shapes(results, frame, marker) * factor, array=value * scale, cmap=colours, norm=norm, edgecolors="face", linewidths=0.25,
+            list(_shapes(results, frame, marker) * factor), array=value * scale, cmap=colours, norm=norm, edgecolors="face", linewidths=0.25,
             rasterized=len(value) > 2000,
         )  # fmt: skip
         panel.add_collection(shapes)
@@ -75,7 +75,9 @@ def draw_plane(
     if categories:
         from matplotlib.patches import Patch
 
-        handles = [Patch(color=colour, label=name) for colour, name in zip(style.body_colours(len(results.bodies)), results.bodies, strict=True)]
+        handles = [
+            Patch(color=colour, label=name) for colour, name in zip(style.body_colours(len(results.bodies)), results.bodies, strict=True)
+        ]
         figure.legend(handles=handles, loc="outside right center", handlelength=1.0)
     else:
         style.colour_bar(figure, axes, ScalarMappable(norm, colours), style.with_unit(shown.label, unit), extend)

@@ -42,12 +42,27 @@ def draw_profile(
             chosen = np.flatnonzero(numbers == number)
             order = chosen[np.argsort(frame["x"][chosen, 0])]
             # several times: the colour is the time; one time: it is the body
-            colour = matplotlib.colormaps["viridis"](0.88 * k / max(1, len(frames) - 1)) if many else style.BODIES[number % len(style.BODIES)]
+            colour = (
+                matplotlib.colormaps["viridis"](0.88 * k / max(1, len(frames) - 1)) if many else style.BODIES[number % len(style.BODIES)]
+            )
             name = results.bodies[number] if number < len(results.bodies) else ""
-            label = style.time_label(frame.time, last) if many and number == numbers.min() else name if not many and (len(results.bodies) > 1 or exact is not None) else None
+            label = (
+                style.time_label(frame.time, last)
+                if many and number == numbers.min()
+                else name
+                if not many and (len(results.bodies) > 1 or exact is not None)
+                else None
+            )
             marker = "o" if len(order) <= 150 else None
             axes.plot(
-                frame["x"][order, 0] * length, value[order] * scale, color=colour, marker=marker, markersize=2.6, linewidth=1.2, label=label, zorder=2
+                frame["x"][order, 0] * length,
+                value[order] * scale,
+                color=colour,
+                marker=marker,
+                markersize=2.6,
+                linewidth=1.2,
+                label=label,
+                zorder=2,
             )
         if exact is not None:
             at = np.linspace(x0, x1, 2001)

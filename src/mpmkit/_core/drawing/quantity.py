@@ -15,7 +15,11 @@ if TYPE_CHECKING:
     from mpmkit._core.reading.frame import Frame
     from mpmkit.results import Results
 
-DERIVED = {"pressure": ("stress", "pressure", "Pa"), "mises": ("stress", "von Mises stress", "Pa"), "displacement": ("X", "displacement", "m")}
+DERIVED = {
+    "pressure": ("stress", "pressure", "Pa"),
+    "mises": ("stress", "von Mises stress", "Pa"),
+    "displacement": ("X", "displacement", "m"),
+}
 """Quantities that are computed from a field: name -> (field, label, unit)."""
 _LABELS = {"v": "speed", "q": "artificial viscous pressure", "c": "wave speed", "body": "body"}
 
@@ -45,18 +49,18 @@ class Quantity:
     def values(self, frame: Frame) -> np.ndarray:
         """The number for each particle, float64[n]."""
         array = np.asarray(frame[self._field], dtype=float)
-        rows = array.reshape(len(array), -1)
+        rows: np.ndarray = array.reshape(len(array), int(np.prod(array.shape[1:], dtype=int)))
         if self.name == "pressure":
-            return -rows[:, :3].sum(axis=1) / 3
+            return np.asarray(-rows[:, :3].sum(axis=1) / 3)
         if self.name == "displacement":
-            return np.linalg.norm(frame["x"] - array, axis=1)
+            return np.asarray(np.linalg.norm(frame["x"] - array, axis=1))
         if self._component is not None:
             return rows[:, self._component]
         if rows.shape[1] == 1:
             return rows[:, 0]
         if self.label == "von Mises stress":
             return von_mises(rows)
-        return np.linalg.norm(rows, axis=1)
+        return np.asarray(np.linalg.norm(rows, axis=1))
 
 
 def quantity(results: Results, frame: Frame, name: str, component: str | None = None) -> Quantity:

@@ -103,7 +103,9 @@ def _shade(base: np.ndarray, direction: np.ndarray, lit: np.ndarray, opened: np.
     half = key + np.array([0.0, 0.0, 1.0], dtype=np.float32)
     gleam = np.clip(direction @ (half / np.linalg.norm(half)), 0.0, 1.0) ** 40
     shadowed = 0.25 + 0.75 * lit  # light that other surfaces send into the shadow
-    return np.asarray(base * ((0.66 * facing * shadowed + sky * opened) * (0.6 + 0.4 * opened))[:, None] + (0.05 * gleam * lit * opened)[:, None])
+    return np.asarray(
+        base * ((0.66 * facing * shadowed + sky * opened) * (0.6 + 0.4 * opened))[:, None] + (0.05 * gleam * lit * opened)[:, None]
+    )
 
 
 def _reduce(shaded: np.ndarray, cover: np.ndarray, n: int) -> np.ndarray:
@@ -113,4 +115,4 @@ def _reduce(shaded: np.ndarray, cover: np.ndarray, n: int) -> np.ndarray:
     image[cover, :3], image[cover, 3] = np.clip(shaded, 0.0, 1.0), 1.0
     image = image.reshape(rows, n, columns, n, 4).mean(axis=(1, 3))
     image[..., :3] = (image[..., :3] / np.maximum(image[..., 3:], 1e-6)) ** np.float32(1 / GAMMA)
-    return image
+    return np.asarray(image)

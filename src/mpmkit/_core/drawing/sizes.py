@@ -25,7 +25,7 @@ def half_edges(results: Results, frame: Frame) -> np.ndarray:
             if name in frame:
                 return np.asarray(0.5 * np.abs(frame[name].astype(float)) ** (1 / dim))
     if "size" in frame:
-        mean = np.prod(frame["size"].reshape(len(x), -1)[:, :dim].astype(float), axis=1) ** (1 / dim)
+        mean = np.prod(frame["size"][:, :dim].astype(float), axis=1) ** (1 / dim)
         return np.asarray(mean * np.abs(frame["J"].astype(float)) ** (1 / dim) if "J" in frame else mean)
     return _from_neighbours(results, frame)
 

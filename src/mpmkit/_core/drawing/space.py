@@ -72,7 +72,12 @@ def draw_space(
             frame["x"].astype(float), radius, rgb, camera, raster, floor=Floor(lower, upper) if floor else None, softness=softness,
             oversample=1 if len(value) > _MANY else 2,
         )  # fmt: skip
-        panel.imshow(picture, extent=(low[0], low[0] + raster.shape[1] * pixel, low[1], low[1] + raster.shape[0] * pixel), zorder=3, interpolation="antialiased")
+        panel.imshow(
+            picture,
+            extent=(low[0], low[0] + raster.shape[1] * pixel, low[1], low[1] + raster.shape[0] * pixel),
+            zorder=3,
+            interpolation="antialiased",
+        )
         panel.set_axis_off()
         panel.set_aspect("equal")
         if axes_box:
@@ -113,7 +118,9 @@ def _box(panel: Any, lower: np.ndarray, upper: np.ndarray, camera: Camera) -> No
                 start, stop = corner([*side[:axis], 0, *side[axis + 1 :]]), corner([*side[:axis], 1, *side[axis + 1 :]])
                 flat = camera.project(np.stack([start, stop]))
                 front = side[2] == 0 or axis == 2
-                panel.plot(flat[:, 0], flat[:, 1], color=style.FAINT, linewidth=0.7, alpha=0.9 if front else 0.45, zorder=2, solid_capstyle="round")
+                panel.plot(
+                    flat[:, 0], flat[:, 1], color=style.FAINT, linewidth=0.7, alpha=0.9 if front else 0.45, zorder=2, solid_capstyle="round"
+                )
     middle = camera.project(((lower + upper) / 2)[None])[0]
     for axis, side in _scale_edges(camera, nearest).items():
         start, stop = (corner([*side[:axis], s, *side[axis + 1 :]]) for s in (0, 1))
@@ -127,7 +134,9 @@ def _scale_edges(camera: Camera, nearest: Sequence[int]) -> dict[int, list[int]]
     return {0: [0, nearest[1], 0], 1: [nearest[0], 0, 0], 2: [i, j, 0]}
 
 
-def _scale(panel: Any, start: np.ndarray, stop: np.ndarray, axis: int, camera: Camera, middle: np.ndarray, factor: float, label: str) -> None:
+def _scale(
+    panel: Any, start: np.ndarray, stop: np.ndarray, axis: int, camera: Camera, middle: np.ndarray, factor: float, label: str
+) -> None:
     from matplotlib.ticker import MaxNLocator
 
     ends = camera.project(np.stack([start, stop]))[:, :2]
@@ -143,9 +152,19 @@ def _scale(panel: Any, start: np.ndarray, stop: np.ndarray, axis: int, camera: C
     if axis == 1:
         # its end toward the viewer is the corner where the numbers of x end, too
         ticks = [t for t in ticks if abs(t - (high if camera.toward[1] > 0 else low)) > 0.06 * (high - low)]
-    place = {"ha": "right" if outward[0] < -0.3 else "left" if outward[0] > 0.3 else "center", "va": "top" if outward[1] < -0.3 else "center"}
+    place = {
+        "ha": "right" if outward[0] < -0.3 else "left" if outward[0] > 0.3 else "center",
+        "va": "top" if outward[1] < -0.3 else "center",
+    }
     for tick in ticks:
         at = ends[0] + along * (tick - low) / (high - low)
-        panel.annotate("", at, xytext=4 * outward, textcoords="offset points", arrowprops={"arrowstyle": "-", "color": style.FAINT, "lw": 0.7, "shrinkA": 0, "shrinkB": 0}, annotation_clip=False)
+        panel.annotate(
+            "",
+            at,
+            xytext=4 * outward,
+            textcoords="offset points",
+            arrowprops={"arrowstyle": "-", "color": style.FAINT, "lw": 0.7, "shrinkA": 0, "shrinkB": 0},
+            annotation_clip=False,
+        )
         panel.annotate(f"{tick:g}", at, xytext=6.5 * outward, textcoords="offset points", fontsize=7.5, annotation_clip=False, **place)
     panel.annotate(label, ends.mean(axis=0), xytext=25 * outward, textcoords="offset points", annotation_clip=False, **place)

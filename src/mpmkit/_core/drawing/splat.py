@@ -80,24 +80,57 @@ def splat(points: np.ndarray, radius: np.ndarray, raster: Raster) -> tuple[np.nd
     v = rows - (points[:, 1] - raster.origin[1]) / raster.pixel
     # never smaller than a pixel, or a sphere could fall between the pixel centres
     size = np.maximum(radius / raster.pixel, 0.75)
+    reaches = np.ceil(size).astype(int)
+    many = []
+    for reach in np.unique(reaches):
+        group = np.flatnonzero(reaches == reach)
+        if len(group) < (2 * reach + 1) ** 2:
+            _few(group, u, v, size, points[:, 2], raster, depth, owner)
+        else:
+            many.append((int(reach), group))
     for claim in (False, True):  # first the depth of the nearest surface, then whose it is
-        for reach in np.unique(np.ceil(size).astype(int)):
-            group = np.flatnonzero(np.ceil(size).astype(int) == reach)
-            gu, gv, gs = u[group], v[group], size[group]
-            gz = points[group, 2]
-            left, top = np.floor(gu).astype(int), np.floor(gv).astype(int)
-            for j in range(-reach, reach + 1):
-                for i in range(-reach, reach + 1):
-                    across, down = left + i + 0.5 - gu, top + j + 0.5 - gv
-                    inside = gs * gs - across * across - down * down
-                    hit = (inside > 0) & (left + i >= 0) & (left + i < columns) & (top + j >= 0) & (top + j < rows)
-                    if not hit.any():
-                        continue
-                    pixel = ((top + j) * columns + left + i)[hit]
-                    surface = (gz[hit] + raster.pixel * np.sqrt(inside[hit])).astype(np.float32)
-                    if claim:
-                        front = surface == depth[pixel]
-                        owner[pixel[front]] = group[hit][front]
-                    else:
-                        np.maximum.at(depth, pixel, surface)
+        for reach, group in many:
+            _many(group, reach, u, v, size, points[:, 2], raster, depth, owner, claim)
     return owner.reshape(rows, columns), depth.reshape(rows, columns)
+
+
+def _few(
+    group: np.ndarray, u: np.ndarray, v: np.ndarray, size: np.ndarray, z: np.ndarray, raster: Raster, depth: np.ndarray, owner: np.ndarray
+) -> None:
+    """Large spheres, one after the other with all pixels of each at once; to be drawn before the small ones."""
+    rows, columns = raster.shape
+    depth, owner = depth.reshape(rows, columns), owner.reshape(rows, columns)
+    for p in group:
+        left, right = max(0, int(u[p] - size[p]) - 1), min(columns, int(u[p] + size[p]) + 2)
+        top, bottom = max(0, int(v[p] - size[p]) - 1), min(rows, int(v[p] + size[p]) + 2)
+        if left >= right or top >= bottom:
+            continue
+        inside = size[p] ** 2 - (np.arange(left, right) + 0.5 - u[p])[None, :] ** 2 - (np.arange(top, bottom) + 0.5 - v[p])[:, None] ** 2
+        surface = (z[p] + raster.pixel * np.sqrt(np.maximum(inside, 0.0))).astype(np.float32)
+        front = (inside > 0) & (surface > depth[top:bottom, left:right])
+        depth[top:bottom, left:right][front] = surface[front]
+        owner[top:bottom, left:right][front] = p
+
+
+def _many(
+    group: np.ndarray, reach: int, u: np.ndarray, v: np.ndarray, size: np.ndarray, z: np.ndarray, raster: Raster, depth: np.ndarray, owner: np.ndarray,
+    claim: bool,
+) -> None:  # fmt: skip
+    """Small spheres, one pixel of all of them after the other."""
+    rows, columns = raster.shape
+    gu, gv, gs, gz = u[group], v[group], size[group], z[group]
+    left, top = np.floor(gu).astype(int), np.floor(gv).astype(int)
+    for j in range(-reach, reach + 1):
+        for i in range(-reach, reach + 1):
+            across, down = left + i + 0.5 - gu, top + j + 0.5 - gv
+            inside = gs * gs - across * across - down * down
+            hit = (inside > 0) & (left + i >= 0) & (left + i < columns) & (top + j >= 0) & (top + j < rows)
+            if not hit.any():
+                continue
+            pixel = ((top + j) * columns + left + i)[hit]
+            surface = (gz[hit] + raster.pixel * np.sqrt(inside[hit])).astype(np.float32)
+            if claim:
+                front = surface == depth[pixel]
+                owner[pixel[front]] = group[hit][front]
+            else:
+                np.maximum.at(depth, pixel, surface)

@@ -14,7 +14,7 @@ FAINT = "#9aa1a9"
 BODIES = ("#2f6db3", "#d9772b", "#3b9b6d", "#8a5fb0", "#c2455a", "#8a7a3d", "#4aa7b8", "#6b7280")
 """Colours of lines and bodies, in this order; distinct also for most colour-blind readers."""
 SEQUENTIAL, DIVERGING = "viridis", "coolwarm"
-_RC = {
+_RC: dict[Any, Any] = {
     "font.family": "sans-serif",
     "font.size": 9.5,
     "mathtext.fontset": "dejavusans",

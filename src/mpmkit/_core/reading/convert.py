@@ -37,17 +37,19 @@ def to_xarray(results: Results) -> Any:
     xarray = _import("xarray", "to_xarray", "frames")
     counts = {frame.n_particles for frame in results.frames}
     if len(counts) != 1:
-        raise ResultsError(f"to_xarray needs the same particles in all frames, their number varies ({sorted(counts)}); use to_pandas(time) for each frame")
-    variables, coordinates = {}, {"time": ("time", results.times, {"units": "s"}), "step": ("time", [f.step for f in results.frames])}
+        raise ResultsError(
+            f"to_xarray needs the same particles in all frames, their number varies ({sorted(counts)}); use to_pandas(time) for each frame"
+        )
+    variables: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {"time": ("time", results.times, {"units": "s"}), "step": ("time", [f.step for f in results.frames])}
     for name in results.fields:
         array = np.stack([frame[name] for frame in results.frames])
         units = {"units": results.meta.get("units", {}).get(name, "")}
         if array.ndim == 2:
             variables[name] = (("time", "particle"), array, units)
         else:
-            names = component_names(array.shape[2])
             axis = f"component{array.shape[2]}"
-            coordinates.setdefault(axis, (axis, names))
+            coordinates[axis] = list(component_names(array.shape[2]))
             variables[name] = (("time", "particle", axis), array, units)
     return xarray.Dataset(variables, coordinates)
 

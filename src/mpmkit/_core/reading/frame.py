@@ -27,7 +27,14 @@ class Frame(Mapping[str, np.ndarray]):
     """
 
     def __init__(
-        self, time: float, step: int, index: int, fields: Sequence[str], read: Callable[[str], np.ndarray], bodies: Sequence[str], where: str
+        self,
+        time: float,
+        step: int,
+        index: int,
+        fields: Sequence[str],
+        read: Callable[[str], np.ndarray],
+        bodies: Sequence[str],
+        where: str,
     ) -> None:
         self.time, self.step, self.index, self.fields = float(time), int(step), int(index), tuple(fields)
         self._read, self._bodies, self._where = read, tuple(bodies), where
@@ -66,11 +73,15 @@ class Frame(Mapping[str, np.ndarray]):
             If no body is called that.
         """
         if name not in self._bodies:
-            raise ResultsError(f"{self._where} has no body {name!r}{did_you_mean(str(name), self._bodies)} (bodies: {', '.join(self._bodies) or 'none'})")
+            raise ResultsError(
+                f"{self._where} has no body {name!r}{did_you_mean(str(name), self._bodies)} (bodies: {', '.join(self._bodies) or 'none'})"
+            )
         if len(self._bodies) == 1 and "body" not in self.fields:
             return self
         inside = self["body"] == self._bodies.index(name)
-        return Frame(self.time, self.step, self.index, self.fields, lambda field: self[field][inside], (name,), f"{self._where}, body {name!r},")
+        return Frame(
+            self.time, self.step, self.index, self.fields, lambda field: self[field][inside], (name,), f"{self._where}, body {name!r},"
+        )
 
     def __repr__(self) -> str:
         return f"<Frame {self.index}: t = {self.time:g} s, step {self.step}, {self.n_particles} particles, {', '.join(self.fields)}>"

@@ -39,7 +39,8 @@ class FileSource:
     def __init__(self, path: Any) -> None:
         self._reader = Reader(path)
         self.where = str(path)
-        self.meta, self.scene = self._reader.meta, self._reader.scene
+        self.meta: Mapping[str, Any] = self._reader.meta
+        self.scene = self._reader.scene
         self.refresh()
 
     def refresh(self) -> None:
@@ -59,7 +60,7 @@ class FileSource:
 
     def _is_vector(self, name: str) -> bool:
         shapes = self.meta.get("shapes", {})
-        return shapes.get(name, PARTICLE_FIELDS[name].shape if name in PARTICLE_FIELDS else "vector") == "vector"
+        return bool(shapes.get(name, PARTICLE_FIELDS[name].shape if name in PARTICLE_FIELDS else "vector") == "vector")
 
     def history(self) -> History:
         """The rows so far."""

@@ -16,11 +16,11 @@ from typing import Any, TypeVar
 import attrs
 import numpy as np
 
+from mpmkit._core.running.vtkhdf_check import check_ours, plain
 from mpmkit.errors import ResultsError
 
 T = TypeVar("T")
 _TRIES = 5
-_FORMATS = (1,)
 
 
 @attrs.frozen
@@ -68,7 +68,12 @@ class Reader:
             # the counter grows first, then the times: between the two the last frame is not yet ours to show
             n = min(int(steps.attrs["NSteps"]), steps["Values"].shape[0])
             counts = root["NumberOfPoints"][:]
-            columns = [steps["Values"][:n], root["FieldData/step"][:n], steps["PointOffsets"][:n], counts[steps["PartOffsets"][:n]] if n else counts[:0]]
+            columns = [
+                steps["Values"][:n],
+                root["FieldData/step"][:n],
+                steps["PointOffsets"][:n],
+                counts[steps["PartOffsets"][:n]] if n else counts[:0],
+            ]
             if any(len(c) != n for c in columns):
                 raise OSError("the tables of the steps are shorter than their counter")
             return Index(*columns)
@@ -106,38 +111,4 @@ class Reader:
                 clock.sleep(0.02 * attempt)
         if not self.path.exists():
             raise ResultsError(f"{self.path} is gone: it was moved or deleted while it was being read")
-        raise ResultsError(f"{self.path} is damaged: {_plain(reason)}; copy it again from where it was written, or run the scene again")
-
-
-def check_ours(path: Path) -> None:
-    """Raise `ResultsError` unless `path` is a result file of mpmkit in a format known here."""
-    import h5py
-
-    if not path.exists():
-        raise ResultsError(f"{path}: no such result file; a run writes it where its Record says")
-    if not path.is_file():
-        raise ResultsError(f"{path} is not a file; give the .vtkhdf or .hdf file that a run has written")
-    size = path.stat().st_size
-    with path.open("rb") as start:
-        if start.read(8) != b"\x89HDF\r\n\x1a\n":
-            raise ResultsError(f"{path} is not a result file: {'it is empty' if size == 0 else 'it is no HDF5 file at all'}")
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            if "VTKHDF" not in file:
-                raise ResultsError(f"{path} is not a result file: an HDF5 file without the group /VTKHDF")
-            if "mpmkit" not in file or "format" not in file["mpmkit"].attrs:
-                kind = file["VTKHDF"].attrs.get("Type", b"?")
-                kind = kind.decode() if isinstance(kind, bytes) else kind
-                raise ResultsError(f"{path} is a VTKHDF file of another program (type {kind}): it has no group /mpmkit; open it in ParaView instead")
-            found = int(file["mpmkit"].attrs["format"])
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
-        what = "truncated" if "truncated" in str(error) else "damaged"
-        raise ResultsError(f"{path} is {what} ({size} bytes): {_plain(error)}; copy it again from where it was written, or run the scene again") from error
-    if found not in _FORMATS:
-        raise ResultsError(f"{path} was written in format {found}, this mpmkit reads format {_FORMATS[-1]}; update mpmkit")
-
-
-def _plain(error: BaseException) -> str:
-    """The reason without HDF5's words around it."""
-    text = str(error).strip("'\"")
-    return text[text.find("(") + 1 : text.rfind(")")] if "(" in text and text.endswith(")") else text
+        raise ResultsError(f"{self.path} is damaged: {plain(reason)}; copy it again from where it was written, or run the scene again")

@@ -7,7 +7,7 @@ import io
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Self
 
 import numpy as np
 
@@ -98,7 +98,7 @@ class HistoryFile:
         """Close the file; does nothing the second time."""
         self._stream.close()
 
-    def __enter__(self) -> HistoryFile:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *args: object) -> None:

@@ -31,7 +31,9 @@ def claim(path: str | os.PathLike[str], *, overwrite: bool, what: str = "results
         if path.is_dir():
             raise ResultsError(f"{path}: cannot write {what} here, this is a folder; give a file name")
         if not overwrite:
-            raise ResultsError(f"{path} exists: {what} are never overwritten unasked; choose another path, move the file, or set overwrite=True (--overwrite on the command line)")
+            raise ResultsError(
+                f"{path} exists: {what} are never overwritten unasked; choose another path, move the file, or set overwrite=True (--overwrite on the command line)"
+            )
     folder = path.parent
     try:
         folder.mkdir(parents=True, exist_ok=True)

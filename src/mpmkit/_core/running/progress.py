@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time as clock
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,7 +34,14 @@ class Reporter:
     """
 
     def __init__(
-        self, until: float, n_particles: int, *, quiet: bool = False, stream: TextIO | None = None, start_time: float = 0.0, start_step: int = 0
+        self,
+        until: float,
+        n_particles: int,
+        *,
+        quiet: bool = False,
+        stream: TextIO | None = None,
+        start_time: float = 0.0,
+        start_step: int = 0,
     ) -> None:
         self.until, self.n_particles, self.quiet = until, n_particles, quiet
         self.stream = sys.stderr if stream is None else stream
@@ -124,13 +132,15 @@ class Reporter:
             "speed": f"{si(self._particle_steps / stepping)}particle-steps/s",
         }
         balance = self._balance if balance is None else balance
-        if balance == balance:
+        if not math.isnan(balance):
             facts["energy balance"] = f"{balance:+.1e}"
         if momentum_error is not None:
             facts["momentum error"] = f"{momentum_error:.1e}"
         console = self._console()
         mark = "▇" if console.encoding.startswith("utf") else "#"
-        console.print(summary_table(facts, phases or {}, [str(f) for f in files], mark))
+        console.print(summary_table(facts, phases or {}, mark))
+        for file in files:
+            self._say(f" {file}")  # not through rich, which would cut or wrap a long path
 
     def stop(self) -> None:
         """Close the moving line without a summary, so that an error message stands on its own line."""
@@ -158,7 +168,7 @@ class Reporter:
             f"step {self._step}", f"t {self._time:.4g} s ({self._fraction:.1%})", f"dt {self._dt:.2e} s",
             f"{si(self._speed)}particle-steps/s", f"ETA {eta}",
         ]  # fmt: skip
-        if self._balance == self._balance:
+        if not math.isnan(self._balance):
             parts.append(f"energy balance {self._balance:+.1e}")
         return parts
 

@@ -41,6 +41,7 @@ class Recorder:
         self.last_checkpoint = 0.0
         self.saved_step = -1
         self.row_step = -1
+        self.times: list[float] = []
         history = paths.history_path(record.path)
         if resumed is None:
             widths = {f: components_of(f, stores[0]) for f in self.names}
@@ -56,6 +57,7 @@ class Recorder:
             if self.file.n_frames < resumed:
                 raise ResultsError(f"{record.path}: has {self.file.n_frames} frames, the checkpoint was written after {resumed}; they do not belong together")
             self.file.truncate(resumed)
+            self.times = self.times_of(self.file)
             self.history = HistoryFile.reopen(history, run.engine.step_number)
 
     @staticmethod
@@ -106,7 +108,16 @@ class Recorder:
         data = self.run.frame(("x", *self.names))
         x = data.pop("x")
         data.pop("body")
+        self.times.append(engine.t)
         self.file.append(engine.t, engine.step_number, _three(x), {n: _three(v) if self._is_vector(n) else v for n, v in data.items()}, {s: row[s] for s in SCALARS})
+
+    @staticmethod
+    def times_of(file: ParticleFile) -> list[float]:
+        return [float(t) for t in file.times()]
+
+    def frames_until(self, t: float) -> int:
+        """Frames written up to this time: what a resumed run keeps."""
+        return sum(one <= t for one in self.times)
 
     def _is_vector(self, name: str) -> bool:
         field = self.run._stores[0].layout.fields.get(name)
@@ -130,7 +141,7 @@ class Recorder:
                 "scale": run.ledger.scale,
                 "first_dt": run.first_dt,
                 "rows": [[row[c] for c in COLUMNS] for row in run.rows if row["step"] <= engine.step_number],
-                "frames": [sum(t <= engine.t for t in r.file.times) for r in run.recorders] if run.recorders else [1] * len(run.sim.records),
+                "frames": [r.frames_until(engine.t) for r in run.recorders] if run.recorders else [1] * len(run.sim.records),
                 "scene": scene,
                 "scene_error": reason,
             }

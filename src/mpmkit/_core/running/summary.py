@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 
-def summary_table(facts: Mapping[str, str], phases: Mapping[str, float], files: Sequence[str], mark: str = "#") -> Any:
-    """Facts, phases with seconds and share, and files, as something rich can print.
+def summary_table(facts: Mapping[str, str], phases: Mapping[str, float], mark: str = "#") -> Any:
+    """Facts, and phases with seconds and share, as something rich can print.
 
     Parameters
     ----------
@@ -15,8 +15,6 @@ def summary_table(facts: Mapping[str, str], phases: Mapping[str, float], files: 
         Shown in their order.
     phases : mapping of str to float
         Seconds of each phase; shares are of their sum.
-    files : sequence of str
-        Paths, printed whole so that they can be copied.
     mark : str
         The character that bars are drawn with.
     """
@@ -42,6 +40,4 @@ def summary_table(facts: Mapping[str, str], phases: Mapping[str, float], files: 
             share = seconds / total
             table.add_row(Text(name), f"{seconds:.3f}", f"{share:.1%}", Text(mark * round(20 * share), style="cyan"))
         parts.append(table)
-    for name in files:
-        parts.append(Text(f" {name}", no_wrap=True, overflow="ignore"))
     return Group(*parts)

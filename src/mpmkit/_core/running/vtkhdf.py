@@ -30,17 +30,17 @@ import os
 import time as clock
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from mpmkit._core.running.disk import abandon, close_trimmed, reserve
 from mpmkit._core.running.paths import claim
-from mpmkit._core.running.vtkhdf_tables import TOPOLOGIES, add_part, append_rows, create_tables, dataset, shrink_tables
+from mpmkit._core.running.vtkhdf_arrays import check_names, columns, plain
+from mpmkit._core.running.vtkhdf_check import FORMAT, check_ours
+from mpmkit._core.running.vtkhdf_tables import add_part, append_rows, create_tables, dataset, shrink_tables
 from mpmkit.errors import ResultsError
 
-FORMAT = 1
-"""Version of the group ``/mpmkit``."""
 SYNC_SECONDS = 60.0
 """Seconds between two fsync calls; a killed process loses nothing, a power cut at most this much."""
 _HDF5 = {"libver": ("earliest", "v110"), "locking": False}
@@ -110,9 +110,9 @@ class ParticleFile:
         """
         import h5py
 
-        static = {k: _plain(v, dtype) for k, v in (static or {}).items()}
+        static = {k: plain(v, dtype) for k, v in (static or {}).items()}
         fields = {k: int(n) for k, n in fields.items() if k != "x"}
-        _check_names(path, [*fields, *static, *scalars])
+        check_names(path, [*fields, *static, *scalars])
         path = claim(path, overwrite=overwrite)
         meta = dict(meta or {})
         scene = meta.pop("scene", None)
@@ -144,8 +144,6 @@ class ParticleFile:
             If it is missing, damaged, or was not written by mpmkit.
         """
         import h5py
-
-        from mpmkit._core.reading.vtkhdf import check_ours
 
         path = Path(path)
         check_ours(path)
@@ -188,12 +186,14 @@ class ParticleFile:
         """
         if self._file is None:
             raise ResultsError(f"{self.path}: this result file is closed; open it again with ParticleFile.reopen")
-        points = _columns(self.path, "x", x, 3, self._dtype)
+        points = columns(self.path, "x", x, 3, self._dtype)
         rows = {"Points": points} | {f"PointData/{k}": self._rows_of(k, n, data, len(points)) for k, n in self.fields.items()}
         fixed = {k: self._fixed(k, data, len(points)) for k in self.static}
         unknown = sorted(set(data) - {"x", *self.fields, *self.static})
         if unknown:
-            raise ResultsError(f"{self.path}: this file was not made for {', '.join(unknown)}; it holds {', '.join(('x', *self.fields, *self.static))}")
+            raise ResultsError(
+                f"{self.path}: this file was not made for {', '.join(unknown)}; it holds {', '.join(('x', *self.fields, *self.static))}"
+            )
         if set(self.scalars) != set(scalars or {}):
             raise ResultsError(f"{self.path}: a frame needs the scalars {list(self.scalars)}, got {list(scalars or {})}")
         numbers = {"step": step, **{k: float((scalars or {})[k]) for k in self.scalars}}
@@ -223,9 +223,9 @@ class ParticleFile:
         for name, value in numbers.items():
             append_rows(steps["FieldDataOffsets"][name], [append_rows(root["FieldData"][name], [value])])
         cells = [[first_cell, 0, 0, 0]]
-        table = {"PartOffsets": [part], "NumberOfParts": [1], "PointOffsets": [offsets.pop()]}
-        for name, value in {**table, "CellOffsets": cells, "ConnectivityIdOffsets": cells}.items():
-            append_rows(steps[name], value)
+        table: dict[str, Any] = {"PartOffsets": [part], "NumberOfParts": [1], "PointOffsets": [offsets.pop()]}
+        for name, row in {**table, "CellOffsets": cells, "ConnectivityIdOffsets": cells}.items():
+            append_rows(steps[name], row)
         self._file.flush()  # the frame is in the file ...
         steps.attrs.modify("NSteps", np.int64(self.n_frames + 1))
         self._file.flush()  # ... before the counter shows it ...
@@ -269,7 +269,7 @@ class ParticleFile:
             file, self._file = self._file, None
             close_trimmed(file)
 
-    def __enter__(self) -> ParticleFile:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *args: object) -> None:
@@ -301,7 +301,7 @@ class ParticleFile:
     def _rows_of(self, name: str, ncomp: int, data: Mapping[str, np.ndarray], n: int) -> np.ndarray:
         if name not in data:
             raise ResultsError(f"{self.path}: the frame lacks the field {name!r}, which this file was made for")
-        rows = _columns(self.path, name, data[name], ncomp, self._dtype)
+        rows = columns(self.path, name, data[name], ncomp, self._dtype)
         if len(rows) != n:
             raise ResultsError(f"{self.path}: field {name!r} has {len(rows)} rows for {n} particles")
         return rows
@@ -310,7 +310,9 @@ class ParticleFile:
         stored = self._root["PointData"][name]
         array = np.asarray(data[name] if name in data else self._last_static[name][1]).astype(stored.dtype)
         if array.shape != (n, *stored.shape[1:]):
-            raise ResultsError(f"{self.path}: {name!r} has shape {array.shape} for {n} particles; give it with the frame when the particles change")
+            raise ResultsError(
+                f"{self.path}: {name!r} has shape {array.shape} for {n} particles; give it with the frame when the particles change"
+            )
         return array
 
     def _sync(self) -> None:
@@ -321,33 +323,3 @@ class ParticleFile:
         finally:
             os.close(handle)
         self._synced = clock.monotonic()
-
-
-def _plain(array: Any, dtype: str) -> np.ndarray:
-    """Types that VTK reads: no bool, integers of 32 bits where they fit, floats as asked."""
-    array = np.asarray(array)
-    if array.dtype == bool:
-        return array.astype(np.uint8)
-    if array.dtype.kind in "iu":
-        small = array.size == 0 or (array.min() >= -(2**31) and array.max() < 2**31)
-        return array.astype(np.int32 if small else np.int64)
-    return array.astype(dtype)
-
-
-def _columns(path: Path, name: str, array: Any, ncomp: int, dtype: np.dtype) -> np.ndarray:
-    """Rows of `ncomp` components; vectors of a 1D or 2D run get zeros for the missing directions."""
-    array = np.asarray(array)
-    rows = array.reshape(len(array), -1) if array.size else np.zeros((len(array), ncomp))
-    if ncomp == 3 and rows.shape[1] < 3:
-        rows = np.pad(rows, ((0, 0), (0, 3 - rows.shape[1])))
-    if rows.shape[1] != ncomp:
-        raise ResultsError(f"{path}: {name!r} has {rows.shape[1]} components, this file was made for {ncomp}")
-    return np.ascontiguousarray(rows if ncomp > 1 else rows[:, 0], dtype=dtype)
-
-
-def _check_names(path: Any, names: list[str]) -> None:
-    for name in names:
-        if not name or "/" in name or "." in name:
-            raise ResultsError(f"{path}: {name!r} cannot be the name of an array in a VTKHDF file; leave out '/' and '.'")
-        if names.count(name) > 1 or name in ("x", "step", *TOPOLOGIES):
-            raise ResultsError(f"{path}: the name {name!r} is used twice in this file; rename one")
