@@ -50,5 +50,6 @@ class Record:
         for name in self.fields:
             if not name or "/" in name or "." in name:
                 raise ParameterError(
-                    f"Record.fields must be names of particle fields such as 'v' or 'stress', got {name!r}; components are chosen when drawing"
+                    f"Record.fields must be names of particle fields such as 'v' or 'stress', got {name!r}; "
+                    "components are chosen when drawing"
                 )

@@ -197,7 +197,8 @@ class Results:
 
     def __repr__(self) -> str:
         span = f"t = {self.times[0]:g} to {self.times[-1]:g} s" if len(self.times) else "none yet"
-        return f"<Results {self._source.where}: {len(self.times)} frames ({span}), fields {', '.join(self.fields)}, bodies {', '.join(self.bodies)}>"
+        where = f"{self._source.where}: {len(self.times)} frames ({span})"
+        return f"<Results {where}, fields {', '.join(self.fields)}, bodies {', '.join(self.bodies)}>"
 
     def _repr_html_(self) -> str:
         span = f"{self.times[0]:g} to {self.times[-1]:g} s" if len(self.times) else "none yet"

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from mpmkit.bodies import Body
-from mpmkit.errors import CompositionError, ParameterError, ResultsError, did_you_mean
+from mpmkit.errors import CompositionError, MpmkitError, ParameterError, ResultsError, did_you_mean
 from mpmkit.grid import Grid
 from mpmkit.interfaces import BoundaryLayer, Component, ContactAlgorithm, Discretization, Effect, Integrator, ShapeFunction
 from mpmkit.parameters import Spec, convert
@@ -156,7 +156,17 @@ class Simulation:
         end = convert(until, float | None, Spec("end of the run", "s", gt=0.0), "run(until)") if until is not None else self.until
         if end is None:
             raise ParameterError("run(until) is required: the simulated time [s] to run to, for example sim.run(until=1.0)")
-        return self.compose().to(end, quiet=quiet)
+        run = self.compose()
+        run.to(end, quiet=quiet)
+        return self._results(run)
+
+    def _results(self, run: Run) -> Results:
+        from mpmkit.results import Results
+
+        if run.recorders:
+            return Results(run.recorders[0].record.path)
+        meta = run.meta()
+        return Results.in_memory(run.frames, run.history(), meta.pop("bodies"), scene=meta.pop("scene"), meta=meta)
 
     def resume(self, checkpoint: str | os.PathLike[str]) -> Simulation:
         """Take the state of a checkpoint of this very composition; the next `run` goes on bitwise as if it had never stopped."""
@@ -183,6 +193,15 @@ class Simulation:
                 f"({attributes.get('scene_error', 'Python functions or arrays')}); compose it in the script again and call sim.resume({str(checkpoint)!r})"
             )
         return loads(scene).resume(checkpoint)
+
+    def scene_text(self) -> tuple[str | None, str]:
+        """This simulation as a TOML scene and "", or None and the reason why a file cannot hold it."""
+        from mpmkit.scene import dumps
+
+        try:
+            return dumps(self), ""
+        except MpmkitError as error:
+            return None, str(error).split("\n")[0]
 
     # --- state --------------------------------------------------------------------------------------------------
     @property

@@ -98,7 +98,7 @@ def test_the_one_before_is_kept(tmp_path):
 
 def test_a_failed_save_keeps_the_last_one_and_leaves_nothing_behind(tmp_path):
     path = _saved(tmp_path)
-    with pytest.raises(ResultsError, match="cannot write the checkpoint .*; the checkpoint before it is kept"):
+    with pytest.raises(ResultsError, match=r"cannot write the checkpoint .*; the checkpoint before it is kept"):
         save(path, {"x": np.array([object()])}, {})
     with pytest.raises(ResultsError, match="cannot write the checkpoint"):
         save(path, {}, {"x": object()})
@@ -122,16 +122,16 @@ while True:
 def test_killed_at_any_moment_the_last_one_is_whole(tmp_path):
     path, rng = tmp_path / "run.ckpt.h5", random.Random(5)
     for _ in range(4):
-        log = (tmp_path / "log").open("w+")
-        writer = subprocess.Popen([sys.executable, "-c", _WRITER, str(path)], stdout=log)
-        end = time.monotonic() + 20
-        while os.path.getsize(tmp_path / "log") == 0 and time.monotonic() < end:
-            time.sleep(0.005)
-        time.sleep(rng.uniform(0, 0.15))
-        writer.send_signal(signal.SIGKILL)
-        writer.wait()
-        log.seek(0)
-        acknowledged = int(log.read().split("\n")[-2])
+        with (tmp_path / "log").open("w+") as log:
+            writer = subprocess.Popen([sys.executable, "-c", _WRITER, str(path)], stdout=log)
+            end = time.monotonic() + 20
+            while os.path.getsize(tmp_path / "log") == 0 and time.monotonic() < end:
+                time.sleep(0.005)
+            time.sleep(rng.uniform(0, 0.15))
+            writer.send_signal(signal.SIGKILL)
+            writer.wait()
+            log.seek(0)
+            acknowledged = int(log.read().split("\n")[-2])
         arrays, attrs = load(path)
         assert attrs["k"] >= acknowledged - 1
         assert (arrays["x"] == attrs["k"]).all()

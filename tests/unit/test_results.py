@@ -158,5 +158,6 @@ def test_a_missing_library_is_named(results, monkeypatch):
 
 
 def test_reading_imports_neither_numba_nor_matplotlib(path):
-    code = f"import sys, mpmkit; mpmkit.Results({str(path)!r}).frames[0]['x']; print({{'numba', 'matplotlib', 'pandas', 'rich'}} & set(sys.modules))"
+    read = f"import sys, mpmkit; mpmkit.Results({str(path)!r}).frames[0]['x']"
+    code = f"{read}; print({{'numba', 'matplotlib', 'pandas', 'rich'}} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "set()"

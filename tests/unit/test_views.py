@@ -92,7 +92,7 @@ def test_odd_requests(field, options, message):
 
 
 def test_unwritable_pictures_are_refused_before_drawing(tmp_path):
-    with pytest.raises(mpm.ResultsError, match="a picture file ends in one of .png"):
+    with pytest.raises(mpm.ResultsError, match=r"a picture file ends in one of \.png"):
         made(2).plot("v", path=tmp_path / "a.bmpx")
     with pytest.raises(mpm.ResultsError, match="there is no folder"):
         made(2).plot("v", path=tmp_path / "none" / "a.png")
@@ -174,6 +174,21 @@ def test_history_lines():
     assert made(2).plot("dt").axes[0].get_ylabel() == "dt [µs]"
 
 
+def test_the_ledgers_columns_have_units_and_the_total_its_name():
+    columns = {
+        "step": np.arange(3),
+        "t": np.arange(3.0),
+        "kinetic": np.ones(3),
+        "external_work": np.zeros(3),
+        "energy": np.ones(3),
+        "momentum_x": np.ones(3),
+    }
+    results = mpm.Results.in_memory([], columns, [])
+    figure = results.plot("energies")
+    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["kinetic", "total"], "works that stayed zero are left out"
+    assert results.plot("momentum_x").axes[0].get_ylabel() == "momentum x [N s]"
+
+
 def test_picture_files(tmp_path):
     for dim in (1, 2, 3):
         for ending in ("png", "pdf", "svg") if dim == 2 else ("png",):
@@ -184,11 +199,11 @@ def test_picture_files(tmp_path):
 
 
 def test_drawing_leaves_the_settings_of_others_alone():
-    import matplotlib
+    import matplotlib as mpl
 
-    before = dict(matplotlib.rcParams)
+    before = dict(mpl.rcParams)
     made(2).plot("v")
-    assert dict(matplotlib.rcParams) == before
+    assert dict(mpl.rcParams) == before
 
 
 def test_no_particles_and_one_particle():

@@ -123,6 +123,7 @@ def test_a_resumed_file_reads_as_if_never_interrupted(tmp_path, compress):
         write(file, range(6), [50, 40, 50, 33, 20, 10])
     with ParticleFile.reopen(path) as file:
         assert file.n_frames == 6
+        assert file.times.tolist() == [0.1 * k for k in range(6)]
         file.truncate(3)
         assert len(Reader(path).index().times) == 3
         write(file, range(3, 6), counts)

@@ -4,10 +4,42 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import attrs
+
 from mpmkit.interfaces.component import Component
 
 if TYPE_CHECKING:
     from mpmkit.interfaces.recipe import Recipe
+
+
+@attrs.frozen(eq=False)
+class StoredPoints:
+    """Material points of one body with neighbour lists made once.
+
+    Attributes
+    ----------
+    x, V0, size, v
+        As of sampled particles: float64[n, dim], [n], [n, dim], [n, dim].
+    nodes : float64[k, dim]
+        Positions of the body's own nodes [m].
+    connectivity : int64[n, m]
+        The m nodes of each point.
+    N, dN : float64[n, m], float64[n, m, dim]
+        Shape functions and their gradients with respect to X at the points.
+    F, stress
+        Initial state; None for the identity and zero.
+    """
+
+    x: Any
+    V0: Any
+    size: Any
+    v: Any
+    nodes: Any
+    connectivity: Any
+    N: Any
+    dN: Any
+    F: Any = None
+    stress: Any = None
 
 
 class Discretization(Component):
@@ -26,11 +58,16 @@ class Discretization(Component):
     """
 
     kind: ClassVar[str] = "discretization"
+    names_reach_kernels: ClassVar[bool] = False
     operator: ClassVar[str] = "grid"
     configuration: ClassVar[str] = "current"
 
-    def mesh(self, grid: Any, geometry: Any) -> Any:
-        """For ``operator = "stored"``: nodes, points and their operators for one body; returns a `StoredOperator`."""
+    def nodes_per_point(self, dim: int) -> int:
+        """For ``operator = "stored"``: length of the neighbour lists."""
+        raise NotImplementedError
+
+    def mesh(self, grid: Any, body: Any) -> StoredPoints:
+        """For ``operator = "stored"``: nodes, points and their operators for one body."""
         raise NotImplementedError
 
     def step(self, s: Recipe) -> None:

@@ -13,6 +13,7 @@ class Recipe:
 
     def __init__(self) -> None:
         self.verbs: list[str] = []
+        self.fraction = 0.0
 
     def p2g(self) -> None:
         """Particles to grid: m_i = sum_p m_p N_i(x_p) and (mv)_i = sum_p m_p v_p N_i(x_p) (with C (x_i - x_p) if affine)."""
@@ -45,6 +46,14 @@ class Recipe:
     def remap(self) -> None:
         """The second mapping of MUSL: v_i = sum_p m_p v_p N_i(x_p) / m_i from the updated particle velocities."""
         self.verbs.append("remap")
+
+    def limit(self, fraction: float) -> None:
+        """Velocities for the strain, v_i = v_old + min(1, m_i / (fraction m_p)) (v - v_old): bounded where a node has little mass.
+
+        m_p is the mean particle mass. Only L_p sees them: momenta and positions keep the full update, so momentum is conserved.
+        """
+        self.verbs.append("limit")
+        self.fraction = fraction
 
     def advect(self) -> None:
         """x_p <- x_p + dt sum_i v_i N_i(x_p), with the nodal velocities of the momentum update."""

@@ -29,6 +29,9 @@ class ShapeFunction(Component):
         "none", "initial" (half is constant) or "current" (half is stretched by the diagonal of F).
     order : int
         Highest degree that is reproduced in one cell (1 for linear and GIMP, 2, 3).
+    smooth : bool
+        Whether slopes are continuous. If not, the affine matrix of APIC and TPIC is formed with velocities whose change
+        is limited at nodes lighter than half a particle.
     max_half : float
         Largest ``half`` [cells] for which ``nodes`` suffices.
     """
@@ -39,6 +42,7 @@ class ShapeFunction(Component):
     weights: ClassVar[Kernel]
     particle_size: ClassVar[str] = "none"
     order: ClassVar[int] = 1
+    smooth: ClassVar[bool] = True
     max_half: float = 0.5
 
     @classmethod

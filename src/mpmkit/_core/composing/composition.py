@@ -45,6 +45,7 @@ class Composition:
     contact: ContactAlgorithm | None
     groups: list[Group]
     verbs: list[str]
+    fraction: float = 0.0
 
     @property
     def grid(self) -> Any:
@@ -110,6 +111,7 @@ def collect(sim: Simulation) -> Composition:
         contact=sim.contacts[0] if sim.contacts else None,
         groups=list(groups.values()),
         verbs=recipe.verbs,
+        fraction=recipe.fraction,
     )
 
 

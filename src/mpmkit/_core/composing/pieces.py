@@ -119,9 +119,16 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
         if transfer is not None and transfer.affine != "none":
             loop.needs.add("moment" if transfer.affine == "moment" else "g")
             slope = "e_" if transfer.affine == "moment" else "g"
+            sharp = c.shape is not None and not c.shape.smooth
+            if sharp:
+                # a kinked shape function has a full slope at nodes with hardly any mass, whose velocities are wild
+                light = loop.parameter("m_light", lambda roles: roles["m_light"])
+                loop.gather.append(f"share = min(one, {node(nodes, 'm')} / {light})")
             for a in range(dim):
+                old, new = node(nodes, "v_old", a), node(nodes, "v", a)
+                v = f"({old} + share * ({new} - {old}))" if sharp else new
                 for b in range(dim):
-                    _gather_once(loop, f"C{a}{b}", f"{node(nodes, 'v', a)} * {slope}{b}")
+                    _gather_once(loop, f"C{a}{b}", f"{v} * {slope}{b}")
         return
     external = "f_ext" in nodes.start and not c.stored_operator
     if external:

@@ -83,7 +83,7 @@ def make_plan(c: Composition) -> Plan:
     done: set[str] = set()
     channel = {"strain": plan_steps.strain_channel, "u": "u", "u_next": "u_next"}
     for phase in [*start.phases, *plan_steps.phases]:
-        has_velocity = plan_steps.has_velocity and phase in plan_steps.phases
+        has_velocity = plan_steps.has_velocity and phase.name != "start_momentum"
         for function, text in _phase_texts(c, phase, layout, operator, loop, sweep, channel, has_velocity, plan_steps):
             if function not in done:
                 done.add(function)
@@ -123,13 +123,14 @@ def _phase_texts(
         on_old = phase.channel == "v" and not has_velocity or (phase.channel == "v" and c.stored_operator)
         return [(phase.name, sweeps.boundary(sweep(), phase.role, phase.channel, on_old, phase.name))]
     if phase.kind == "nodes":
-        if phase.name == "momentum":
-            name = "momentum" if has_velocity or not c.stored_operator else "start_momentum"
-            return [(name, sweeps.momentum(sweep(), has_velocity, name))]
+        if phase.name in ("momentum", "start_momentum"):
+            return [(phase.name, sweeps.momentum(sweep(), has_velocity, phase.name))]
         if phase.name == "carry":
             return [("carry", sweeps.carry(sweep(), "carry"))]
         if phase.name == "velocity":
             return [("velocity", sweeps.divide(sweep(), "v_old", "velocity", "Nodes: v_i = (mv)_i / m_i."))]
+        if phase.name == "limited_velocity":
+            return [(phase.name, sweeps.limit(sweep(), phase.name))]
         if phase.name == "mapped_velocity":
             return [(phase.name, sweeps.divide(sweep(), "v_map", phase.name, "Nodes: v_i = (mv)_i / m_i after the second mapping."))]
         if phase.name == "filter_start":
@@ -189,7 +190,7 @@ def _node_channels(c: Composition, plan: Schedule) -> NodeLayout:
     layout.add(["m"], integrator, scalar=True)
     layout.add(["v_old", "v"], f"{integrator}: (mv)_i then v_i before, f_i then v_i after the update")
     if any(p.channel == "v_map" for p in plan.phases):
-        layout.add(["v_map"], f"{integrator}: second mapping")
+        layout.add(["v_map"], f"{integrator}: velocities for the strain")
     loads = [role for role, layer in c.layers.items() if layer.load is not None]
     loads += [role for role, e in c.effects.items() if e.body_force is not None]
     if loads:

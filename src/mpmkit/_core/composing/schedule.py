@@ -77,6 +77,9 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
             nodes("velocity", channel="v_old", who=(_name(c.integrator),))
             out.has_velocity = True
             channel = "v_old"
+        elif verb == "limit":
+            nodes("limited_velocity", channel="v_map", number=c.fraction, who=(_name(c.integrator),))
+            channel = "v_map"
         elif verb == "carry":
             nodes("carry", who=(_name(c.discretization),))
             out.has_velocity = True
@@ -86,7 +89,9 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
                 out.phases.append(Phase("solve", "consistent_momentum", who=(_name(c.integrator),)))
             else:
                 movers = [role for role, e in c.effects.items() if e.acceleration is not None]
-                nodes("momentum", who=(_name(c.integrator or c.discretization), *movers))
+                # nodes of stored operators get their velocities once, from the particles; then they carry them
+                name = "start_momentum" if c.stored_operator and not out.has_velocity else "momentum"
+                nodes(name, who=(_name(c.integrator or c.discretization), *movers))
             passes = c.transfer.passes if c.transfer is not None else 1
             if passes > 1:
                 nodes("filter_start", number=float(passes), who=(_name(c.transfer),))

@@ -109,6 +109,18 @@ def divide(sweep: Sweep, channel: str, name: str, doc: str) -> str:
     return sweep.body(name, doc, _grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
 
 
+def limit(sweep: Sweep, name: str) -> str:
+    """Velocities for the strain, with the change limited where the nodal mass is below a fraction of a particle's."""
+    layout, dim = sweep.layout, sweep.dim
+    m_limit = sweep.parameter("m_limit", lambda roles: roles["m_limit"])
+    lines = [f"k = i * {layout.size}", f"share = min(one, {node(layout, 'm')} / {m_limit})"]
+    for a in range(dim):
+        old, new = node(layout, "v_old", a), node(layout, "v", a)
+        lines.append(f"{node(layout, 'v_map', a)} = {old} + share * ({new} - {old})")
+    doc = "Nodes: velocities for the strain, limited where there is little mass."
+    return sweep.body(name, doc, _grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
+
+
 def carry(sweep: Sweep, name: str) -> str:
     """Nodes keep their velocity: v_old = v, f = 0."""
     layout, dim = sweep.layout, sweep.dim

@@ -15,13 +15,29 @@ if TYPE_CHECKING:
     from mpmkit.results import Results
 
 TIME = "t"
+_TOTALS = ("energy", "total")
+_UNITS = {
+    "J": ("kinetic", "stored", "dissipated", "external_work", "boundary_work", *_TOTALS),
+    "N s": tuple(f"{name}_{axis}" for name in ("momentum", "impulse", "force_impulse") for axis in "xyz"),
+    "J s": tuple(f"angular_{axis}" for axis in "xyz"),
+    "kg": ("mass",),
+    "m^3": ("volume",),
+    "s": ("dt",),
+}
+_UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
+
+
+def unit_of(results: Results, column: str) -> str:
+    """SI unit of a column: as the run says, else as the ledger's columns are known."""
+    return str(results.meta.get("units", {}).get(column, _UNIT_OF.get(column, "1")))
 
 
 def energy_columns(results: Results) -> list[str]:
-    """Columns of the history that are energies: by their unit, or by name where a run gives no units."""
-    units = results.meta.get("units", {})
-    known = ("kinetic", "stored", "dissipated", "external", "external_work", "total")
-    return [name for name in results.history if (units.get(name) == "J" if name in units else name in known)]
+    """Columns of the history that are energies, without works that stayed zero to rounding."""
+    history = results.history
+    energies = [name for name in history if unit_of(results, name) == "J"]
+    largest = max((float(np.abs(history[name]).max(initial=0.0)) for name in energies), default=0.0)
+    return [name for name in energies if not name.endswith("_work") or np.abs(history[name]).max(initial=0.0) > 1e-9 * largest]
 
 
 def draw_history(results: Results, columns: Sequence[str]) -> Any:
@@ -33,7 +49,7 @@ def draw_history(results: Results, columns: Sequence[str]) -> Any:
         If the history has no such column or no rows.
     """
     history = results.history
-    units = {name: results.meta.get("units", {}).get(name, "J" if name in energy_columns(results) else "1") for name in columns}
+    units = {name: unit_of(results, name) for name in columns}
     data = {name: np.asarray(history[name]) for name in columns}
     for name, column in data.items():
         if column.dtype.kind not in "if":
@@ -51,7 +67,7 @@ def draw_history(results: Results, columns: Sequence[str]) -> Any:
         largest = max(float(np.abs(data[name][np.isfinite(data[name])]).max(initial=0.0)) for name in names)
         scale, shown_unit = style.scaled_unit(largest, unit)
         for name in names:
-            total = name == "total"
+            total = name in _TOTALS
             colour = style.INK if total else style.BODIES[number % len(style.BODIES)]
             number += not total
             panel.plot(
@@ -62,7 +78,7 @@ def draw_history(results: Results, columns: Sequence[str]) -> Any:
                 linestyle=(0, (5, 2)) if total else "-",
                 label=_words(name),
             )
-        single = _words(names[0]) if len(names) == 1 and unit != "J" else "energy" if unit == "J" else ""
+        single = "energy" if unit == "J" else _words(names[0]) if len(names) == 1 else ""
         panel.set_ylabel(style.with_unit(single, shown_unit).strip())
         panel.axhline(0, color=style.FAINT, linewidth=0.6, zorder=0)
         panel.margins(x=0)
@@ -76,4 +92,4 @@ def draw_history(results: Results, columns: Sequence[str]) -> Any:
 
 
 def _words(name: str) -> str:
-    return name.replace("_", " ")
+    return "total" if name in _TOTALS else name.replace("_", " ")

@@ -55,7 +55,7 @@ def draw_plane(
     ticks = MaxNLocator(5 if columns == 1 else 3, steps=[1, 2, 2.5, 5, 10])
     for k, (panel, frame, value) in enumerate(zip(axes.flat, frames, values, strict=False)):
         shapes = PolyCollection(
-            list(_shapes(results, frame, marker) * factor), array=value * scale, cmap=colours, norm=norm, edgecolors="face", linewidths=0.25,
+            list(_shapes(results, frame, marker) * factor), array=value * scale, cmap=colours, norm=norm, edgecolors="face", linewidths=0.4,
             rasterized=len(value) > 2000,
         )  # fmt: skip
         panel.add_collection(shapes)

@@ -25,7 +25,7 @@ def draw_profile(
     window: tuple[tuple[float, float], ...] | None,
 ) -> Any:
     """A line per body and time, with a dot per particle; the exact solution, if given, as a thin dark line."""
-    import matplotlib
+    import matplotlib as mpl
 
     figure = style.new_figure(6.6, 3.8)
     axes = figure.subplots()
@@ -42,9 +42,7 @@ def draw_profile(
             chosen = np.flatnonzero(numbers == number)
             order = chosen[np.argsort(frame["x"][chosen, 0])]
             # several times: the colour is the time; one time: it is the body
-            colour = (
-                matplotlib.colormaps["viridis"](0.88 * k / max(1, len(frames) - 1)) if many else style.BODIES[number % len(style.BODIES)]
-            )
+            colour = mpl.colormaps["viridis"](0.88 * k / max(1, len(frames) - 1)) if many else style.BODIES[number % len(style.BODIES)]
             name = results.bodies[number] if number < len(results.bodies) else ""
             label = (
                 style.time_label(frame.time, last)

@@ -113,8 +113,8 @@ def _few(
 
 
 def _many(
-    group: np.ndarray, reach: int, u: np.ndarray, v: np.ndarray, size: np.ndarray, z: np.ndarray, raster: Raster, depth: np.ndarray, owner: np.ndarray,
-    claim: bool,
+    group: np.ndarray, reach: int, u: np.ndarray, v: np.ndarray, size: np.ndarray, z: np.ndarray,
+    raster: Raster, depth: np.ndarray, owner: np.ndarray, claim: bool,
 ) -> None:  # fmt: skip
     """Small spheres, one pixel of all of them after the other."""
     rows, columns = raster.shape

@@ -45,9 +45,9 @@ _PREFIXABLE = ("Pa", "J", "N", "s", "m", "W", "m/s", "N s", "J/m", "J/m^2", "J/m
 @contextmanager
 def styled() -> Iterator[None]:
     """Draw inside this; the caller's own settings come back afterwards."""
-    import matplotlib
+    import matplotlib as mpl
 
-    with matplotlib.rc_context(_RC):
+    with mpl.rc_context(_RC):
         yield
 
 
@@ -95,7 +95,7 @@ def with_unit(label: str, unit: str) -> str:
 
 
 def time_label(time: float, last: float | None = None) -> str:
-    """ "t = 1.25 ms"; the prefix follows `last`, so that all panels of a row share it."""
+    """Title such as "t = 1.25 ms"; the prefix follows `last`, so that all panels of a row share it."""
     factor, unit = scaled_unit(abs(last if last else time), "s")
     return f"t = {time * factor:.4g} {unit}"
 
@@ -137,14 +137,14 @@ def colour_map(signed: bool, name: str | None = None) -> Any:
     ResultsError
         If matplotlib has no map called `name`.
     """
-    import matplotlib
+    import matplotlib as mpl
 
     from mpmkit.errors import ResultsError, did_you_mean
 
     wanted = name or (DIVERGING if signed else SEQUENTIAL)
-    if wanted not in matplotlib.colormaps:
-        raise ResultsError(f"matplotlib has no colour map {wanted!r}{did_you_mean(wanted, list(matplotlib.colormaps))}")
-    return matplotlib.colormaps[wanted]
+    if wanted not in mpl.colormaps:
+        raise ResultsError(f"matplotlib has no colour map {wanted!r}{did_you_mean(wanted, list(mpl.colormaps))}")
+    return mpl.colormaps[wanted]
 
 
 def body_colours(count: int) -> list[str]:

@@ -44,7 +44,8 @@ class Frame(Mapping[str, np.ndarray]):
         if name not in self.fields:
             known = ", ".join(self.fields)
             raise ResultsError(
-                f"{self._where} holds no field {name!r}{did_you_mean(str(name), self.fields)} (it holds {known}; name what to keep in Record(fields=...))"
+                f"{self._where} holds no field {name!r}{did_you_mean(str(name), self.fields)} "
+                f"(it holds {known}; name what to keep in Record(fields=...))"
             )
         if name not in self._cache:
             self._cache[name] = self._read(name)

@@ -134,7 +134,8 @@ def _load(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             raise ResultsError(f"{path} is not a checkpoint of mpmkit; give the .ckpt.h5 file that a run has written")
         if found.get("format") != str(FORMAT):
             raise ResultsError(
-                f"{path} was written in checkpoint format {found.get('format')}, this mpmkit reads format {FORMAT}; resume with the version that wrote it"
+                f"{path} was written in checkpoint format {found.get('format')}, this mpmkit reads "
+                f"format {FORMAT}; resume with the version that wrote it"
             )
         size, expected = path.stat().st_size, found.get("bytes", "")
         if str(size - _HEADER) != expected:

@@ -52,7 +52,8 @@ class Engine:
         self._nodes()
         particle_mass = min(float(s.get("m").min()) for s in stores)
         small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
-        roles = c.roles() | {"grid": c.grid, "ghosts": float(plan.operator.padding[0]), "m_small": small}
+        mean_mass = float(np.mean([s.get("m").mean() for s in stores]))
+        roles = c.roles() | {"m_limit": c.fraction * mean_mass, "m_light": 0.5 * mean_mass, "grid": c.grid, "ghosts": float(plan.operator.padding[0]), "m_small": small}
         self.node_par = plan.node_parameters.values(roles, self.dtype)
         self.m_small = small
         self.body_par = [
@@ -135,9 +136,8 @@ class Engine:
         if phase.kind == "loads":
             return self._bind_load(phase)
         if phase.kind == "nodes":
-            name = phase.name if not (phase.name == "momentum" and c.stored_operator and schedule is self.plan.start) else "start_momentum"
             more = (self.dtype(phase.number),) if phase.name.startswith("filter") else ()
-            return [(phase.name, getattr(m, name), (*self._node_arguments(f), *more, *tail)) for f in self.fields]
+            return [(phase.name, getattr(m, phase.name), (*self._node_arguments(f), *more, *tail)) for f in self.fields]
         if phase.kind == "boundary":
             return self._bind_boundary(phase, tail)
         if phase.kind == "contact":

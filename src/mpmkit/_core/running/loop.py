@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from os import PathLike
 
-    from mpmkit.results import Results
     from mpmkit.simulation import Simulation
 
 SNAPSHOT_SECONDS = 0.5  # wall time between copies of the state in memory, the last good state of a failing run
@@ -101,7 +100,7 @@ class Run:
         return self._engine
 
     # --- running ------------------------------------------------------------------------------------------------
-    def to(self, until: float, *, quiet: bool = False) -> Results:
+    def to(self, until: float, *, quiet: bool = False) -> None:
         """Step to `until`; see `Simulation.run`."""
         fresh = not self.recorders and bool(self.sim.records)
         if fresh:
@@ -128,7 +127,6 @@ class Run:
         momentum = self.momentum_error()
         files = [path for r in self.recorders for path in r.files()]
         reporter.finish(engine.clocks, balance=self.ledger.last["balance"], momentum_error=momentum, files=files)
-        return self.results()
 
     def _warm_up(self) -> None:
         """Compile everything before the clock of the run starts: one step of length zero, then the state as it was."""
@@ -300,7 +298,7 @@ class Run:
         from mpmkit.fields import PARTICLE_FIELDS
 
         grid = self.sim.grid
-        scene, reason = self.scene_text()
+        scene, reason = self.sim.scene_text()
         units = {n: f.unit for n, f in PARTICLE_FIELDS.items()} | {f.name: f.unit for s in self._stores for f in s.group.state}
         return {
             "scene": scene,
@@ -313,20 +311,3 @@ class Run:
             "units": units,
             "grid": {"lower": list(grid.lower), "upper": list(grid.upper), "spacing": list(grid.spacing)},
         }
-
-    def scene_text(self) -> tuple[str | None, str]:
-        """The scene as TOML, or None and the reason why a file cannot hold it."""
-        from mpmkit.scene import dumps
-
-        try:
-            return dumps(self.sim), ""
-        except MpmkitError as error:
-            return None, str(error).split("\n")[0]
-
-    def results(self) -> Results:
-        from mpmkit.results import Results
-
-        if self.recorders:
-            return Results(self.recorders[0].record.path)
-        meta = self.meta()
-        return Results.in_memory(self.frames, self.history(), meta.pop("bodies"), scene=meta.pop("scene"), meta=meta)

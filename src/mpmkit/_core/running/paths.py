@@ -32,7 +32,8 @@ def claim(path: str | os.PathLike[str], *, overwrite: bool, what: str = "results
             raise ResultsError(f"{path}: cannot write {what} here, this is a folder; give a file name")
         if not overwrite:
             raise ResultsError(
-                f"{path} exists: {what} are never overwritten unasked; choose another path, move the file, or set overwrite=True (--overwrite on the command line)"
+                f"{path} exists: {what} are never overwritten unasked; choose another path, move the file, "
+                "or set overwrite=True (--overwrite on the command line)"
             )
     folder = path.parent
     try:

@@ -57,7 +57,7 @@ class Recorder:
             if self.file.n_frames < resumed:
                 raise ResultsError(f"{record.path}: has {self.file.n_frames} frames, the checkpoint was written after {resumed}; they do not belong together")
             self.file.truncate(resumed)
-            self.times = self.times_of(self.file)
+            self.times = self.file.times.tolist()
             self.history = HistoryFile.reopen(history, run.engine.step_number)
 
     @staticmethod
@@ -111,10 +111,6 @@ class Recorder:
         self.times.append(engine.t)
         self.file.append(engine.t, engine.step_number, _three(x), {n: _three(v) if self._is_vector(n) else v for n, v in data.items()}, {s: row[s] for s in SCALARS})
 
-    @staticmethod
-    def times_of(file: ParticleFile) -> list[float]:
-        return [float(t) for t in file.times()]
-
     def frames_until(self, t: float) -> int:
         """Frames written up to this time: what a resumed run keeps."""
         return sum(one <= t for one in self.times)
@@ -133,7 +129,7 @@ class Recorder:
         finished = always or now - self.last_checkpoint >= CHECKPOINT_SECONDS
         if finished:
             run = self.run
-            scene, reason = run.scene_text()
+            scene, reason = run.sim.scene_text()
             attributes: dict[str, Any] = run.identity() | {
                 "t": engine.t,
                 "step": engine.step_number,

@@ -155,6 +155,11 @@ class ParticleFile:
         made.truncate(made.n_frames)
         return made
 
+    @property
+    def times(self) -> np.ndarray:
+        """Times of the frames so far, float64[n_frames] [s]."""
+        return np.asarray(self._steps["Values"][: self.n_frames])
+
     def append(
         self,
         time: float,
@@ -203,7 +208,8 @@ class ParticleFile:
             file, self._file = self._file, None
             abandon(file)
             raise ResultsError(
-                f"{self.path}: cannot write frame {self.n_frames} at t = {time:g} s ({error}); the {self.n_frames} frames before it are kept"
+                f"{self.path}: cannot write frame {self.n_frames} at t = {time:g} s ({error}); "
+                f"the {self.n_frames} frames before it are kept"
             ) from error
 
     def _write(self, time: float, rows: dict[str, np.ndarray], fixed: dict[str, np.ndarray], numbers: Mapping[str, float]) -> None:
