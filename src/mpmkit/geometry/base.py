@@ -1,20 +1,22 @@
-"""What every shape can answer."""
+"""What every shape can answer.
+
+Numpy is imported where it is used: plugins name `Geometry` as the type of a parameter, and listing them must be quick.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from typing import TYPE_CHECKING, TypeAlias
 
 from mpmkit.errors import ParameterError
-from mpmkit.grid import as_points
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
     from mpmkit.geometry.booleans import Difference, Intersection, Union
 
-Array = NDArray[np.float64]
+Array: TypeAlias = "NDArray[np.float64]"
 Moments = tuple[float, tuple[float, ...]]
 """Measure (length, area or volume) and the integrals of x, y, z over the shape."""
 
@@ -65,11 +67,17 @@ class Geometry:
         Points on the surface count as inside, also where something was cut away, with a tolerance of 1e-12 of the
         coordinates' size on either side: so lattice points on opposite faces are treated alike.
         """
+        import numpy as np
+
+        from mpmkit.grid import as_points
+
         points = as_points(x, self.dim)
         return np.asarray(self.depth(points) >= -ROUNDING * self._scale(points))
 
     def _scale(self, points: Array) -> Array:
         """Size of the numbers that the test of a point is made of, float64[n]."""
+        import numpy as np
+
         ends = [abs(c) for corner in self.bounds() for c in corner if math.isfinite(c)]
         return np.asarray(np.maximum(max(ends, default=0.0), np.abs(points).max(axis=1, initial=0.0)))
 
@@ -114,6 +122,8 @@ def check_dims(path: str, vector: tuple[float, ...], dims: tuple[int, ...]) -> N
 
 def box_depth(offsets: Array) -> Array:
     """Depth from the signed overshoots float64[n, k] beyond k mutually orthogonal slabs (positive outside)."""
+    import numpy as np
+
     outside = np.sqrt((np.maximum(offsets, 0.0) ** 2).sum(axis=1))
     return np.asarray(-(outside + np.minimum(offsets.max(axis=1), 0.0)))
 

@@ -87,8 +87,8 @@ class GridOperator:
                 lines.append(f"{pad}e_{b} = {factors}")
         return lines, pad
 
-    def helpers(self) -> list[str]:
-        """Functions of the generated module that the loops call: `fold` and `moment`."""
+    def helpers(self, moment: bool) -> list[str]:
+        """Functions of the generated module that the loops call: `fold`, and `moment` if a transfer needs it."""
         k_all = range(self.nodes)
 
         def row(factors: list[list[int]]) -> str:
@@ -120,7 +120,10 @@ class GridOperator:
                 factors[last][k], factors[last - 1][k] = 1 + distance, -distance
                 factors[k][k] = 0
             lines += [f"    if i == n - {last}:", f"        w = {row(factors)}"]
-        lines += ["    return w", "", ""]
+        lines.append("    return w")
+        if not moment:
+            return lines
+        lines += ["", ""]
         moments = ", ".join(f"w[{k}] * (T({k}) - f) / (D * h)" for k in k_all)
         slopes = ", ".join(f"d[{k}] / h" for k in k_all)
         second = " + ".join(f"w[{k}] * (T({k}) - f) * (T({k}) - f)" for k in k_all)
@@ -159,5 +162,5 @@ class StoredOperator:
             lines += [f"    g{b} = dN[p, a, {b}]" for b in range(loop.dim)]
         return lines, "    "
 
-    def helpers(self) -> list[str]:
+    def helpers(self, moment: bool) -> list[str]:
         return []

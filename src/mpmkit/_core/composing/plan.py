@@ -69,7 +69,8 @@ def make_plan(c: Composition) -> Plan:
         operator = GridOperator(c.shape.nodes, c.shape.offset)
     names, node_parameters = Names(), Parameters()
     group_parameters = {g.name: Parameters() for g in c.groups}
-    texts: list[str] = ["\n".join(operator.helpers())] if operator.helpers() else []
+    helpers = operator.helpers(c.transfer is not None and c.transfer.affine == "moment")
+    texts: list[str] = ["\n".join(helpers)] if helpers else []
 
     def loop(group: Group) -> ParticleLoop:
         import mpmkit.tensor as tensor
@@ -265,10 +266,9 @@ def _mass_matrix(loop: ParticleLoop, layout: NodeLayout, operator: Any) -> str:
 
 
 def _header(c: Composition, names: Names) -> str:
+    # Only kinds of components: their values are run-time parameters and do not belong to the text.
     sim = c.sim
-    parts = [str(x) for x in (sim.shape, sim.integrator, sim.discretization, *sim.boundaries, *sim.contacts, *sim.effects) if x is not None]
     kinds = [type(x).__name__ for x in (sim.shape, sim.integrator, sim.discretization, *sim.boundaries, *sim.contacts, *sim.effects) if x is not None]
-    del parts  # values are run-time parameters; only the kinds belong to the text
     lines = [
         f'"""One step of a simulation composed of {", ".join(kinds)}',
         f"in {c.grid.space} with {', '.join(g.name for g in c.groups)}, {sim.precision}. Written by mpmkit {mpmkit.__version__}; edit the components, not this file.",

@@ -157,26 +157,44 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         else:
             inner += ["old = raw"]
         inner += [f"trial = {vector(layout, 'v', dim)}", f"new = {constrained('trial')}"]
-        # reaction: what the nodes gained beyond the forces, m (v - v_old) - m (trial - raw)
-        inner += [f"reaction{a} = m * ((new[{a}] - old[{a}]) - (trial[{a}] - raw[{a}]))" for a in range(dim)]
+        # Reaction: what the particles gain beyond the forces. FLIP takes up v - v_old, PIC all of v, so the part of the
+        # momentum that the condition on v_old removed counts for the share of PIC only.
+        share = sweep.parameter("flip_share", lambda roles: flip_share(roles.get("transfer")))
+        inner += [f"reaction{a} = m * (new[{a}] - trial[{a}] - {share} * (old[{a}] - raw[{a}]))" for a in range(dim)]
         inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + old[{a}])" for a in range(dim)))
         if layer.rub is not None:
             inner.append("n = " + special["normal"])
             inner.append("dv_n = (trial[0] - new[0]) * n[0] + (trial[1] - new[1]) * n[1] + (trial[2] - new[2]) * n[2]")
-            inner.append(f"rubbed = {sweep.call('friction', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
+            inner.append(f"rubbed = {sweep.call('rub', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
             inner += [f"drag{a} = m * (rubbed[{a}] - new[{a}])" for a in range(dim)]
             inner.append("friction -= " + " + ".join(f"drag{a} * (rubbed[{a}] + old[{a}])" for a in range(dim)))
             inner += [f"reaction{a} += drag{a}" for a in range(dim)] + ["new = rubbed"]
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v", dim, "new")
     else:
-        inner += [f"new = {constrained(vector(layout, channel, dim))}", *assign(layout, channel, dim, "new")]
+        inner.append(f"new = {constrained(vector(layout, channel, dim))}")
+        if channel == "v_smooth":
+            inner += [f"impulse{a} += m * (new[{a}] - {node(layout, channel, a)})" for a in range(dim)]
+        inner += assign(layout, channel, dim, "new")
     lines += [f"    {line}" for line in inner]
     account = channel == "v"
-    header = (["boundary, friction = 0.0, 0.0"] + [f"impulse{a} = 0.0" for a in range(dim)]) if account else []
-    tail = (["work[2] += 0.5 * boundary", "work[3] += 0.5 * friction"] + [f"work[{5 + a}] += impulse{a}" for a in range(dim)]) if account else []
+    header = ["boundary, friction = 0.0, 0.0"] if account else []
+    tail = ["work[2] += 0.5 * boundary", "work[3] += 0.5 * friction"] if account else []
+    if account or channel == "v_smooth":
+        header += [f"impulse{a} = 0.0" for a in range(dim)]
+        tail += [f"work[{5 + a}] += impulse{a}" for a in range(dim)]
     doc = f"Nodes: {layer.summary()} ({channel})"
     return sweep.body(name, doc.replace('"', "'"), _list_arguments(c), [*header, "for j in range(nodes.size):"], lines, tail)
+
+
+def flip_share(transfer: object) -> float:
+    """How much of the particle velocity comes from the change of the grid velocity (1 for FLIP and XPIC, 0 for PIC and APIC)."""
+    if transfer is None:
+        return 0.0
+    kernel = transfer.velocity  # type: ignore[attr-defined]
+    response = {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 0.0}
+    arguments = [response[n] if n in response else float(getattr(transfer, n)) for n in kernel.arguments]
+    return 1.0 - float(kernel(*arguments))
 
 
 def load(loop: ParticleLoop, layout: NodeLayout, operator: object, role: str, name: str) -> str:

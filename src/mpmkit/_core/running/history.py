@@ -91,11 +91,9 @@ class HistoryFile:
         """Drop all rows after `step`."""
         self._stream.close()
         _truncate(self.path, self.columns.index("step"), step)
-        self._stream = self.path.open("a", encoding="utf-8", newline="")
-        self._writer = csv.writer(self._stream, lineterminator="\n")
 
     def close(self) -> None:
-        """Close the file; does nothing the second time."""
+        """Close the file; does nothing the second time. A later row opens it again."""
         self._stream.close()
 
     def __enter__(self) -> Self:
@@ -106,6 +104,9 @@ class HistoryFile:
 
     def _row(self, texts: Sequence[str]) -> None:
         try:
+            if self._stream.closed:
+                self._stream = self.path.open("a", encoding="utf-8", newline="")
+                self._writer = csv.writer(self._stream, lineterminator="\n")
             self._writer.writerow(texts)
             self._stream.flush()
         except OSError as error:

@@ -122,6 +122,9 @@ class Run:
             reporter.stop()
             self._leave(error)
             raise
+        finally:
+            for r in self.recorders:
+                r.history.close()  # a further run opens it again
         if not self.sim.records:
             self.frames.append((engine.t, engine.step_number, self.frame()))
         momentum = self.momentum_error()

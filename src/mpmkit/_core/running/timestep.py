@@ -62,8 +62,8 @@ def next_step(engine: Engine) -> Limit:
 
 
 def land(t: float, dt: float, target: float) -> float:
-    """Shorten `dt` so that steps land on `target` without a tiny last one."""
+    """Shorten `dt` so that steps land on `target` without a tiny last one; times are sums of many steps, hence the slack."""
     left = target - t
-    if dt >= left * (1.0 - 1e-12):
+    if dt >= left * (1.0 - 1e-9):
         return left
     return 0.5 * left if 2.0 * dt > left else dt
