@@ -111,8 +111,11 @@ def _check_consistent(c: Composition) -> None:
         raise CompositionError("mass='consistent' does not work with contact, which acts on lumped nodes; use mass='lumped'")
     if c.transfer is not None and c.transfer.passes > 1:
         raise CompositionError(f"mass='consistent' does not work with {type(c.transfer).__name__}; use FLIP, PIC, APIC or TPIC, or mass='lumped'")
-    if "velocity" in c.verbs:
-        raise CompositionError(f"mass='consistent' works with USL and MUSL, not with {type(c.integrator).__name__}, which strains before the momentum update")
+    if "remap" not in c.verbs:
+        raise CompositionError(
+            f"mass='consistent' works with MUSL only: it leaves nodal velocities that no particle sees undetermined, and {type(c.integrator).__name__} "
+            "would take strains from them and blow up. Use MUSL, or mass='lumped'"
+        )
     for layer in c.layers.values():
         if layer.constrain is not None and not (layer.bilateral and layer.faces_of(c.grid)):
             raise CompositionError(

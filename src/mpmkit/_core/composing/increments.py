@@ -21,8 +21,15 @@ def midpoint_increment(L, dt):
 
 
 def exponential_increment(L, dt):
-    """exp(dt L) by a Taylor series of order 8 of dt L / 2^s, |dt L| / 2^s < 1/8, squared s times: error below 1e-13."""
+    """exp(dt L) by a Taylor series of order 8 of dt L / 2^s, |dt L| / 2^s < 1/8, squared s times: error below 1e-13.
+
+    Below |dt L| = 1e-4 three terms are exact to rounding (and higher powers would underflow in float32).
+    """
     size = dt * (abs(L[0]) + abs(L[1]) + abs(L[2]) + abs(L[3]) + abs(L[4]) + abs(L[5]) + abs(L[6]) + abs(L[7]) + abs(L[8]))
+    if size < 1e-4:
+        A = combine(dt, L, 0.0, EYE)
+        A2 = matmul(A, A)
+        return combine(1.0, combine(1.0, EYE, 1.0, A), 1.0, combine(0.5, A2, 1.0 / 6.0, matmul(A, A2)))
     squarings = 0
     while size > 0.125 and squarings < 16:
         size = 0.5 * size

@@ -44,7 +44,10 @@ class ConsistentMomentum:
             held, value = self._held(active, a)
             free = ~held
             v_old, v = value.copy(), value.copy()
-            v_old[free] = _solve(M[np.ix_(free, free)], momentum[free] - M[np.ix_(free, held)] @ value[held])
+            # nearest to the lumped velocities, which are exact in uniform motion: M leaves what no particle sees undetermined
+            lumped = momentum / M.sum(axis=1)
+            rest = momentum - M[:, free] @ lumped[free] - M[:, held] @ value[held]
+            v_old[free] = lumped[free] + _solve(M[np.ix_(free, free)], rest[free])
             v[free] = v_old[free] + float(dt) * _solve(M[np.ix_(free, free)], force[free])
             e.work[5 + a] += float((M[held] @ (v - v_old)).sum() - float(dt) * force[held].sum())
             if f_ext is not None:
@@ -105,5 +108,5 @@ class ConsistentMomentum:
 
 
 def _solve(A: Any, b: Any) -> Any:
-    """Least-squares solution of smallest norm; singular values below 1e-10 of the largest are dropped."""
-    return np.linalg.lstsq(A, b, rcond=1e-10)[0] if b.size else b
+    """Least-squares solution of smallest norm; singular values below 1e-8 of the largest are dropped."""
+    return np.linalg.lstsq(A, b, rcond=1e-8)[0] if b.size else b

@@ -43,10 +43,13 @@ class Recorder:
         self.row_step = -1
         self.times: list[float] = []
         history = paths.history_path(record.path)
+        checkpoint.remove_stale(paths.checkpoint_path(record.path))
         if resumed is None:
             widths = {f: components_of(f, stores[0]) for f in self.names}
             body = np.concatenate([np.full(s.n, k, dtype=np.int32) for k, s in enumerate(stores)])
             static = {"body": body, "id": np.arange(body.size, dtype=np.int32)}
+            if "size" not in widths:  # what pictures are drawn with
+                static["size"] = np.concatenate([_three(s.points.size) for s in stores])
             self.file = ParticleFile.create(record.path, widths, static, SCALARS, run.meta(), record.compress, record.overwrite)
             self.history = HistoryFile.create(history, COLUMNS, overwrite=record.overwrite or history.exists())
             self._row(run.ledger.last)
