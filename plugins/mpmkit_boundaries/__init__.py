@@ -10,4 +10,5 @@ from mpmkit_boundaries.wall import Wall
 
 @mpm.hookimpl
 def mpmkit_components():
+    """Return the boundary layers of this plugin."""
     return [PrescribedVelocity, Symmetry, TractionLayer, TwoPointTraction, Wall]

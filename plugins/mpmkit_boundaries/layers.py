@@ -15,9 +15,13 @@ def face_layer(points, face, thickness, who):
     surface = outer.max()
     depth = surface - sign * points.x[:, axis]
     tolerance = 1e-9 * np.ptp(outer) + 1e-12 * abs(surface)
-    chosen = np.flatnonzero(depth < thickness - tolerance if thickness is not None else surface - outer < tolerance + 0.5 * points.size[:, axis])
+    chosen = np.flatnonzero(
+        depth < thickness - tolerance if thickness is not None else surface - outer < tolerance + 0.5 * points.size[:, axis]
+    )
     if chosen.size == 0:
-        raise mpm.CompositionError(f"{who}: no particle lies within {thickness:g} m of the face {face!r}; the layer is thinner than half a particle")
+        raise mpm.CompositionError(
+            f"{who}: no particle lies within {thickness:g} m of the face {face!r}; the layer is thinner than half a particle"
+        )
     normals, arms = np.zeros((chosen.size, 3)), np.zeros((chosen.size, 3))
     normals[:, axis] = sign
     arms[:, axis] = sign * depth[chosen]
@@ -25,6 +29,7 @@ def face_layer(points, face, thickness, who):
 
 
 def selection(chosen, area, normals, arms):
+    """A `Selection` with particle numbers of the type the loops expect."""
     import numpy as np
 
     return Selection(chosen.astype(np.int64), area, normals, arms)

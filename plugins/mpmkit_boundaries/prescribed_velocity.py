@@ -27,16 +27,19 @@ def tangential_components(v, velocity, normal):
 
 @mpm.kernel
 def x_component(v, velocity):
+    """v_x = V_x, the other components free."""
     return (velocity[0] + 0.0 * v[0], v[1], v[2])
 
 
 @mpm.kernel
 def y_component(v, velocity):
+    """v_y = V_y, the other components free."""
     return (v[0], velocity[1] + 0.0 * v[0], v[2])
 
 
 @mpm.kernel
 def z_component(v, velocity):
+    """v_z = V_z, the other components free."""
     return (v[0], v[1], velocity[2] + 0.0 * v[0])
 
 

@@ -58,14 +58,17 @@ class Wall(mpm.BoundaryLayer):
     references = ("Chen and Brannon (2002), SAND2002-0482, section 2, essential boundary conditions",)
     faces: tuple[str, ...] = mpm.parameter("faces of the domain", choices=("all", *FACES), default=("all",), example="all")
     condition: str | None = mpm.parameter(
-        "what the wall does; if not given, friction with a coefficient, else stick", choices=("stick", "no slip", "slip", "friction"), default=None
+        "what the wall does; if not given, friction with a coefficient, else stick",
+        choices=("stick", "no slip", "slip", "friction"),
+        default=None,
     )
     friction: float | None = mpm.parameter("coefficient of Coulomb friction", ge=0.0, default=None, example=0.3)
 
     def check(self):
         if self.condition not in (None, "friction") and self.friction is not None:
             raise mpm.ParameterError(
-                f"Wall.friction = {self.friction:g} would be ignored with condition {self.condition!r}; leave it out, or use condition='friction'"
+                f"Wall.friction = {self.friction:g} would be ignored with condition {self.condition!r}; leave it out, or use "
+                "condition='friction'"
             )
         if self.condition == "friction" and self.friction is None:
             raise mpm.ParameterError("Wall.friction is required with condition='friction', for example 0.3")

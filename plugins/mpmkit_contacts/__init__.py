@@ -6,4 +6,5 @@ from mpmkit_contacts.frictional import FrictionalContact
 
 @mpm.hookimpl
 def mpmkit_components():
+    """Return the contact algorithms of this plugin."""
     return [FrictionalContact]

@@ -9,4 +9,5 @@ from mpmkit_effects.gravity import Gravity
 
 @mpm.hookimpl
 def mpmkit_components():
+    """Return the effects of this plugin."""
     return [ArtificialViscosity, BodyForce, Damping, Gravity]

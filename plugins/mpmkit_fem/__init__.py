@@ -6,4 +6,5 @@ from mpmkit_fem.total_lagrangian import FEM
 
 @mpm.hookimpl
 def mpmkit_components():
+    """Return the discretization of this plugin."""
     return [FEM]

@@ -17,7 +17,8 @@ class FEM(mpm.Discretization):
     """
 
     references = (
-        "Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear finite elements for continua and structures, 2nd ed., box 4.5 and section 6.2",
+        "Belytschko, Liu, Moran and Elkhodary (2014), Nonlinear finite elements for continua and structures, 2nd ed., "
+        "box 4.5 and section 6.2",
         "Chen and Brannon (2002), SAND2002-0482, section 4 (comparison with single-point finite elements)",
     )
     spaces = ("1D", "plane strain")

@@ -13,4 +13,5 @@ from mpmkit_integrators.xpic import XPIC
 
 @mpm.hookimpl
 def mpmkit_components():
+    """Return the integrators and transfers of this plugin."""
     return [APIC, FLIP, MUSL, PIC, TPIC, USF, USL, XPIC]

@@ -14,10 +14,14 @@ class USL(mpm.ExplicitIntegrator):
     and dissipative. ``limit = 0`` is the plain form, for study.
     """
 
-    references = ("Bardenhagen (2002), Energy conservation error in the material point method for solid mechanics, doi:10.1006/jcph.2002.7103",)
+    references = (
+        "Bardenhagen (2002), Energy conservation error in the material point method for solid mechanics, doi:10.1006/jcph.2002.7103",
+    )
     transfer: mpm.Transfer = mpm.parameter("how particle velocities follow from the grid", default=FLIP())
 
-    limit: float = mpm.parameter("nodal mass, in particle masses, below which the strain rate is limited", ge=0.0, le=4.0, default=0.5, kw_only=True)
+    limit: float = mpm.parameter(
+        "nodal mass, in particle masses, below which the strain rate is limited", ge=0.0, le=4.0, default=0.5, kw_only=True
+    )
 
     def step(self, s):
         s.p2g()

@@ -24,7 +24,11 @@ class Explanation:
         itemsize = 4 if run.sim.precision == "float32" else 8
         fields = {
             g.name: {
-                name: {"components": len(g.layout.stored(name)), "bytes": itemsize * len(g.layout.stored(name)), "for": g.layout.reasons[name]}
+                name: {
+                    "components": len(g.layout.stored(name)),
+                    "bytes": itemsize * len(g.layout.stored(name)),
+                    "for": g.layout.reasons[name],
+                }
                 for name in g.layout.fields
             }
             for g in c.groups
@@ -36,7 +40,9 @@ class Explanation:
             "particles": {s.name: s.n for s in run._stores},
             "phases": [{"over": p.kind, "name": p.name, "verbs": list(p.verbs), "by": list(p.who)} for p in plan.schedule.phases],
             "particle fields": fields,
-            "node fields": {n: {"bytes": itemsize * (1 if n == "m" else c.dim), "for": plan.node_layout.reasons[n]} for n in plan.node_layout.start},
+            "node fields": {
+                n: {"bytes": itemsize * (1 if n == "m" else c.dim), "for": plan.node_layout.reasons[n]} for n in plan.node_layout.start
+            },
             "off": self.off(),
             "file": str(self.path),
         }
@@ -62,7 +68,9 @@ class Explanation:
         cells = " x ".join(map(str, c.grid.cells))
         lines = [f"{' · '.join(map(str, method))} in {c.grid.space}, {cells} cells, {run.n_particles:,} particles, {sim.precision}"]
         if c.grid.space == "1D":
-            lines.append(f"lateral {c.grid.lateral} is zero ({'a slender bar' if c.grid.lateral == 'stress' else 'a column that cannot widen'})")
+            lines.append(
+                f"lateral {c.grid.lateral} is zero ({'a slender bar' if c.grid.lateral == 'stress' else 'a column that cannot widen'})"
+            )
         lines += ["", "one step"]
         for k, phase in enumerate(plan.schedule.phases, 1):
             what = ", ".join(phase.verbs) if phase.verbs else phase.name.replace("_", " ")

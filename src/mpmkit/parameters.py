@@ -8,6 +8,7 @@ import os
 import types
 import typing
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeVar
 
 import attrs
@@ -95,7 +96,7 @@ def define(cls: type[T]) -> type[T]:
     promised = {name for base in cls.__mro__[1:] for name in vars(base).get("__annotations__", {})}
     taken = (set(PARTICLE_FIELDS) | set(KERNEL_ARGUMENTS)) - promised if getattr(cls, "names_reach_kernels", False) else set()
 
-    def transform(owner: type, fields: list[attrs.Attribute]) -> list[attrs.Attribute]:
+    def transform(owner: type, fields: list[Any]) -> list[Any]:
         out = []
         for f in fields:
             spec = f.metadata.get(_KEY)
@@ -104,14 +105,14 @@ def define(cls: type[T]) -> type[T]:
             if f.name in taken:
                 raise PluginError(f"{cls.__name__}.{f.name}: this name is taken by a standard field; kernels could not tell them apart")
             hint = hints.get(f.name, float)
-            converter = attrs.Converter(lambda value, f=f, hint=hint, spec=spec: convert(value, hint, spec, f"{cls.__name__}.{f.name}"))
+            converter = partial(convert, hint=hint, spec=spec, path=f"{cls.__name__}.{f.name}")
             out.append(f.evolve(converter=converter, type=hint))
         return out
 
     return attrs.define(cls, frozen=True, slots=False, field_transformer=transform)
 
 
-def specs(cls: type) -> dict[str, tuple[attrs.Attribute, Spec]]:
+def specs(cls: type) -> dict[str, tuple[Any, Spec]]:
     """Parameters of a defined class: name -> (attrs attribute with its type, declaration)."""
     return {f.name: (f, f.metadata[_KEY]) for f in attrs.fields(cls) if _KEY in f.metadata}
 
@@ -155,18 +156,18 @@ def convert(value: Any, hint: Any, spec: Spec, path: str) -> Any:
             raise ParameterError(f"{path} must be text, got {value!r} ({spec.doc})")
         return _chosen(value, spec, path)
     if hint == Vector:
-        items = value if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0) else (value,)
+        items = value if isinstance(value, (list, tuple)) or getattr(value, "ndim", None) else (value,)
         return tuple(_in_bounds(_number(v, spec, f"{path}[{k}]"), spec, f"{path}[{k}]") for k, v in enumerate(items))
     if hint == Value:
         if callable(value) or getattr(value, "ndim", 0) > 1:  # rows of many points are checked by the class that takes them
             return value
         if isinstance(value, str):
             return _formula(value, spec, path)
-        if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0) == 1:
+        if isinstance(value, (list, tuple)) or getattr(value, "ndim", None) == 1:
             return tuple(convert(v, Value if isinstance(v, str) else float, spec, f"{path}[{k}]") for k, v in enumerate(value))
         return convert(value, float, spec, path)
     if origin is tuple:
-        items = value if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0) else (value,)
+        items = value if isinstance(value, (list, tuple)) or getattr(value, "ndim", None) else (value,)
         return tuple(convert(v, args[0], spec, f"{path}[{k}]") for k, v in enumerate(items))
     if isinstance(hint, type) and hint is not Any:  # a class since Python 3.11
         if not isinstance(value, hint):

@@ -68,7 +68,9 @@ class Simulation:
         self.integrator = _of(integrator, Integrator, "integrator", "mpmkit.integrators.MUSL()", optional=True)
         self.discretization = _of(discretization, Discretization, "discretization", "mpmkit.discretizations.FEM()", optional=True)
         if precision not in PRECISIONS:
-            raise ParameterError(f"Simulation.precision must be one of {', '.join(PRECISIONS)}, got {precision!r}{did_you_mean(str(precision), PRECISIONS)}")
+            raise ParameterError(
+                f"Simulation.precision must be one of {', '.join(PRECISIONS)}, got {precision!r}{did_you_mean(str(precision), PRECISIONS)}"
+            )
         self.precision = precision
         self.until: float | None = convert(until, float | None, Spec("end of the run", "s", gt=0.0), "Simulation.until")
         if self.discretization is None:
@@ -91,16 +93,26 @@ class Simulation:
 
     def _add(self, part: Any) -> None:
         if self._run is not None:
-            raise CompositionError(f"cannot add {type(part).__name__}: the simulation is already composed; add everything before explain() or run()")
-        places = ((Body, self.bodies), (BoundaryLayer, self.boundaries), (ContactAlgorithm, self.contacts), (Effect, self.effects), (Record, self.records))
+            raise CompositionError(
+                f"cannot add {type(part).__name__}: the simulation is already composed; add everything before explain() or run()"
+            )
+        places: Any = (
+            (Body, self.bodies),
+            (BoundaryLayer, self.boundaries),
+            (ContactAlgorithm, self.contacts),
+            (Effect, self.effects),
+            (Record, self.records),
+        )
         for kind, place in places:
             if isinstance(part, kind):
-                place.append(part)  # type: ignore[attr-defined]
+                place.append(part)
                 if kind is Body:
                     self._check_names()
                 return
         hint = "; give it to Simulation(...)" if isinstance(part, (ShapeFunction, Integrator, Discretization)) else ""
-        raise CompositionError(f"cannot add {part!r} to a simulation: it is no body, boundary layer, contact algorithm, effect or record{hint}")
+        raise CompositionError(
+            f"cannot add {part!r} to a simulation: it is no body, boundary layer, contact algorithm, effect or record{hint}"
+        )
 
     def _check_names(self) -> None:
         names = [self.body_name(b) for b in self.bodies]
@@ -190,12 +202,13 @@ class Simulation:
         if not scene:
             raise ResultsError(
                 f"{checkpoint}: this run was composed in a script with parts that a scene file cannot hold "
-                f"({attributes.get('scene_error', 'Python functions or arrays')}); compose it in the script again and call sim.resume({str(checkpoint)!r})"
+                f"({attributes.get('scene_error', 'Python functions or arrays')}); compose it in the script again and call "
+                f"sim.resume({str(checkpoint)!r})"
             )
         return loads(scene).resume(checkpoint)
 
     def scene_text(self) -> tuple[str | None, str]:
-        """This simulation as a TOML scene and "", or None and the reason why a file cannot hold it."""
+        """Return the simulation as a TOML scene and "", or None and the reason why a file cannot hold it."""
         from mpmkit.scene import dumps
 
         try:

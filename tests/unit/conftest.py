@@ -77,3 +77,9 @@ def fakes(tmp_path, monkeypatch):
     for name in set(sys.modules) - before:
         if getattr(sys.modules[name], "__file__", None) and str(folder) in str(sys.modules[name].__file__):
             del sys.modules[name]
+
+
+@pytest.fixture
+def plain_python(monkeypatch):
+    """Composed in this test, the generated step runs as plain Python: small scenes are done before a compiler has started."""
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")

@@ -81,7 +81,9 @@ def parse(text: str, names: tuple[str, ...], path: str) -> Formula:
     if not isinstance(text, str):
         raise ParameterError(f"{path} must be a formula in text, got {text!r}")
     if len(text) > MAX_LENGTH:
-        raise ParameterError(f"{path}: the formula has {len(text)} characters, at most {MAX_LENGTH} are allowed; pass a Python function instead")
+        raise ParameterError(
+            f"{path}: the formula has {len(text)} characters, at most {MAX_LENGTH} are allowed; pass a Python function instead"
+        )
     if not text.strip():
         raise ParameterError(f"{path}: the formula is empty; write a number or a formula of {', '.join(names)}")
     try:
@@ -120,7 +122,10 @@ class _Reader:
             node, depth = stack.pop()
             count += 1
             if depth > MAX_DEPTH or count > MAX_NODES:
-                self.fail(tree, f"the formula is nested deeper than {MAX_DEPTH} or has more than {MAX_NODES} parts; pass a Python function instead")
+                self.fail(
+                    tree,
+                    f"the formula is nested deeper than {MAX_DEPTH} or has more than {MAX_NODES} parts; pass a Python function instead",
+                )
             stack.extend((child, depth + 1) for child in ast.iter_child_nodes(node))
 
     def number(self, node: ast.AST) -> _Part:
@@ -183,7 +188,9 @@ class _Reader:
             self.fail(node, f"this operator is not allowed in a formula{_ADVICE.get(type(node.op), '; use + - * / **')}")
         sign, apply = _OPERATORS[type(node.op)]
         a, b = self.number(node.left), self.number(node.right)
-        return _Part("number", lambda values: apply(a.value(values), b.value(values)), lambda names: f"({a.text(names)} {sign} {b.text(names)})")
+        return _Part(
+            "number", lambda values: apply(a.value(values), b.value(values)), lambda names: f"({a.text(names)} {sign} {b.text(names)})"
+        )
 
     def _power(self, node: ast.BinOp) -> _Part:
         base, whole = self.number(node.left), _whole_number(node.right)

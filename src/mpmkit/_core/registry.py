@@ -98,7 +98,9 @@ class Registry:
         for (kind, duplicate), entries in self.duplicates.items():
             if duplicate == name and (not kinds or kind in kinds):
                 where = " and ".join(f"{e.distribution} {e.version} ({e.component.__module__})" for e in entries)
-                raise PluginError(f"two plugins register a {kind} named {name!r}: {where}; uninstall or disable one (MPMKIT_DISABLE_PLUGINS)")
+                raise PluginError(
+                    f"two plugins register a {kind} named {name!r}: {where}; uninstall or disable one (MPMKIT_DISABLE_PLUGINS)"
+                )
         known = self.of(*kinds)
         if name not in known:
             what = " or ".join(kinds) or "component"

@@ -10,8 +10,7 @@ from mpmkit.interfaces.material import ConstitutiveModel
 from mpmkit.interfaces.shape import ShapeFunction
 
 KINDS: dict[str, type[Component]] = {
-    c.kind: c
-    for c in (ShapeFunction, ConstitutiveModel, ContactAlgorithm, BoundaryLayer, Integrator, Transfer, Effect, Discretization)
+    c.kind: c for c in (ShapeFunction, ConstitutiveModel, ContactAlgorithm, BoundaryLayer, Integrator, Transfer, Effect, Discretization)
 }
 """Kinds of component by name."""
 

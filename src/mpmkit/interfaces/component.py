@@ -14,6 +14,9 @@ SPACES = ("1D", "plane strain", "axisymmetric", "3D")
 """The spaces a simulation can live in (`Grid.space`)."""
 
 
+_VALUE: Any = Value
+
+
 class Component:
     """Base of all components: a frozen attrs class made by `mpmkit.define`, with declared facts and small kernels.
 
@@ -69,7 +72,7 @@ class Component:
     @property
     def values(self) -> tuple[str, ...]:
         """Names of the parameters of type `Value` (constant, formula or function)."""
-        return tuple(n for n, (f, _) in specs(type(self)).items() if f.type == Value)
+        return tuple(n for n, (f, _) in specs(type(self)).items() if f.type == _VALUE)
 
     def parameters(self) -> dict[str, Any]:
         """Parameter values by name."""

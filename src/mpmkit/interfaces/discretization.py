@@ -37,7 +37,7 @@ class StoredPoints:
     nodes: Any
     connectivity: Any
     N: Any
-    dN: Any
+    dN: Any  # noqa: N815  (the literature's letters)
     F: Any = None
     stress: Any = None
 

@@ -65,4 +65,6 @@ class ExplicitIntegrator(Integrator):
         default="exponential",
         kw_only=True,
     )
-    mass: str = parameter("mass matrix; consistent is dense and for small problems", choices=("lumped", "consistent"), default="lumped", kw_only=True)
+    mass: str = parameter(
+        "mass matrix; consistent is dense and for small problems", choices=("lumped", "consistent"), default="lumped", kw_only=True
+    )

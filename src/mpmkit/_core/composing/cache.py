@@ -34,14 +34,14 @@ def versions() -> str:
     """What compiled code depends on beside its source: versions and the machine."""
     import llvmlite
     import numba
-    import numpy
+    import numpy as np
 
     import mpmkit
 
-    cpu = numba.core.codegen.get_host_cpu_features()
+    cpu = numba.core.codegen.get_host_cpu_features()  # type: ignore[no-untyped-call]
     host = llvmlite.binding.get_host_cpu_name()
     python = ".".join(map(str, sys.version_info[:3]))
-    return f"mpmkit {mpmkit.__version__} python {python} numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {numpy.__version__} {host} {cpu}"
+    return f"mpmkit {mpmkit.__version__} python {python} {host} {cpu} numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {np.__version__}"
 
 
 def load(digest: str, text: str, names: dict[str, Any]) -> ModuleType:

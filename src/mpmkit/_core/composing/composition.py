@@ -94,7 +94,11 @@ def collect(sim: Simulation) -> Composition:
             name = type(body.material).__name__
             same = sum(g.name.split("_")[0] == name for g in groups.values())
             groups[key] = Group(
-                name if not same else f"{name}_{same + 1}", body.material, hooks, tuple(body.material.state), ParticleLayout(space, grid.dim)
+                name if not same else f"{name}_{same + 1}",
+                body.material,
+                hooks,
+                tuple(body.material.state),
+                ParticleLayout(space, grid.dim),
             )
         groups[key].bodies.append(k)
     recipe = Recipe()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from mpmkit._core.composing.composition import Composition
+from mpmkit._core.composing.layout import SYMMETRIC, TENSOR
 from mpmkit.errors import CompositionError
 from mpmkit.interfaces import BoundaryLayer, Component
 
@@ -21,11 +22,16 @@ def check(c: Composition) -> list[str]:
     if not sim.bodies:
         raise CompositionError("the simulation has no body; add one with sim += mpm.Body(geometry, material)")
     if len(sim.contacts) > 1:
-        raise CompositionError(f"one contact algorithm acts on all bodies, got {', '.join(type(k).__name__ for k in sim.contacts)}; keep one")
+        raise CompositionError(
+            f"one contact algorithm acts on all bodies, got {', '.join(type(k).__name__ for k in sim.contacts)}; keep one"
+        )
     for component in _all(c):
         _check_space(c, component)
         if sim.precision not in component.precisions:
-            raise CompositionError(f"{type(component).__name__} works in {', '.join(component.precisions)} only, not in {sim.precision}; set precision accordingly")
+            raise CompositionError(
+                f"{type(component).__name__} works in {', '.join(component.precisions)} only, not in {sim.precision}; set "
+                "precision accordingly"
+            )
     _check_bar(c)
     _check_axis(c)
     _check_layers(c)
@@ -48,7 +54,8 @@ def _check_space(c: Composition, component: Component) -> None:
 
         others = [e.name for e in registry().of(component.kind).values() if c.grid.space in e.component.spaces]
         raise CompositionError(
-            f"{type(component).__name__} ({component.kind}) does not work in a grid that is {c.grid.space}; it works in {', '.join(component.spaces)}. "
+            f"{type(component).__name__} ({component.kind}) does not work in a grid that is {c.grid.space}; it works in "
+            f"{', '.join(component.spaces)}. "
             f"To fix: one of {', '.join(sorted(others)) or 'no other'} , or another grid"
         )
 
@@ -59,15 +66,23 @@ def _check_bar(c: Composition) -> None:
     for body in c.sim.bodies:
         if body.material.bar_stress is None:
             raise CompositionError(
-                f"{type(body.material).__name__} has no form for uniaxial stress, which Grid(lateral='stress') asks for; use lateral='strain' or a law that has one"
+                f"{type(body.material).__name__} has no form for uniaxial stress, which Grid(lateral='stress') asks for; use "
+                "lateral='strain' or a law that has one"
             )
 
 
 def _check_axis(c: Composition) -> None:
     if c.grid.space == "axisymmetric" and c.grid.lower[0] == 0.0:
-        held = [layer for layer in c.layers.values() if "xmin" in layer.faces_of(c.grid) and layer.bilateral]
+        held = [layer for layer in c.layers.values() if "xmin" in layer.faces_of(c.grid) and layer.bilateral and _holds_normal(layer)]
         if not held:
-            raise CompositionError("an axisymmetric grid that begins at r = 0 needs v_r = 0 on the axis; add mpmkit.boundaries.Symmetry('xmin')")
+            raise CompositionError(
+                "an axisymmetric grid that begins at r = 0 needs v_r = 0 on the axis; add mpmkit.boundaries.Symmetry('xmin')"
+            )
+
+
+def _holds_normal(layer: BoundaryLayer) -> bool:
+    """False for a layer that prescribes some components and leaves the normal one, x on the axis, free."""
+    return getattr(layer, "components", "all") in ("all", "normal", "x")
 
 
 def _check_layers(c: Composition) -> None:
@@ -78,7 +93,9 @@ def _check_layers(c: Composition) -> None:
         layer.faces_of(c.grid)
         body = getattr(layer, "body", None)
         if body is not None and body not in names:
-            raise CompositionError(f"{type(layer).__name__}.body: no body is named {body!r}{did_you_mean(body, names)}; bodies: {', '.join(names)}")
+            raise CompositionError(
+                f"{type(layer).__name__}.body: no body is named {body!r}{did_you_mean(body, names)}; bodies: {', '.join(names)}"
+            )
         face = getattr(layer, "face", None)
         if face is not None and face not in c.grid.faces:
             raise CompositionError(f"{type(layer).__name__}.face: the {c.dim}D grid has no {face!r}; it has {', '.join(c.grid.faces)}")
@@ -86,6 +103,8 @@ def _check_layers(c: Composition) -> None:
 
 def _check_values(c: Composition) -> None:
     """Vectors must have as many components as space has dimensions."""
+    from typing import get_args
+
     from mpmkit.expression import as_function
     from mpmkit.parameters import Vector, specs
 
@@ -93,15 +112,19 @@ def _check_values(c: Composition) -> None:
         for name, (attribute, _) in specs(type(component)).items():
             value = getattr(component, name)
             if name in component.values:
-                as_function(value, c.dim)
-            elif attribute.type == Vector and value is not None and len(value) != c.dim:
-                raise CompositionError(f"{type(component).__name__}.{name} must have {c.dim} component(s) in a {c.dim}D grid, got {len(value)}: {value}")
+                as_function(value, c.dim, f"{type(component).__name__}.{name}")
+            elif Vector in (attribute.type, *get_args(attribute.type)) and value is not None and len(value) != c.dim:
+                raise CompositionError(
+                    f"{type(component).__name__}.{name} must have {c.dim} component(s) in a {c.dim}D grid, got {len(value)}: {value}"
+                )
 
 
 def _check_stored(c: Composition) -> None:
     name = type(c.discretization).__name__
     if c.contact is not None:
-        raise CompositionError(f"{name} does not offer contact: {type(c.contact).__name__} works between MPM bodies; leave it out or use MPM")
+        raise CompositionError(
+            f"{name} does not offer contact: {type(c.contact).__name__} works between MPM bodies; leave it out or use MPM"
+        )
     if c.sim.shape is not None or c.sim.integrator is not None:
         raise CompositionError(f"{name} brings its own shape functions and time integration; leave shape and integrator out")
 
@@ -110,18 +133,53 @@ def _check_consistent(c: Composition) -> None:
     if c.contact is not None:
         raise CompositionError("mass='consistent' does not work with contact, which acts on lumped nodes; use mass='lumped'")
     if c.transfer is not None and c.transfer.passes > 1:
-        raise CompositionError(f"mass='consistent' does not work with {type(c.transfer).__name__}; use FLIP, PIC, APIC or TPIC, or mass='lumped'")
+        raise CompositionError(
+            f"mass='consistent' does not work with {type(c.transfer).__name__}; use FLIP, PIC, APIC or TPIC, or mass='lumped'"
+        )
     if "remap" not in c.verbs:
         raise CompositionError(
-            f"mass='consistent' works with MUSL only: it leaves nodal velocities that no particle sees undetermined, and {type(c.integrator).__name__} "
+            "mass='consistent' works with MUSL only: it leaves nodal velocities that no particle sees undetermined, and "
+            f"{type(c.integrator).__name__} "
             "would take strains from them and blow up. Use MUSL, or mass='lumped'"
         )
     for layer in c.layers.values():
         if layer.constrain is not None and not (layer.bilateral and layer.faces_of(c.grid)):
             raise CompositionError(
-                f"mass='consistent' needs conditions that always hold on faces; {type(layer).__name__} lets bodies separate, rubs, or acts in a region. "
+                f"mass='consistent' needs conditions that always hold on faces; {type(layer).__name__} lets bodies separate, "
+                "rubs, or acts in a region. "
                 "Use Symmetry, a wall with no slip, or mass='lumped'"
             )
+
+
+def check_state(c: Composition, points: list[Any]) -> None:
+    """Refuse initial states that the law would replace, or of which the space stores only a part.
+
+    Raises
+    ------
+    CompositionError
+        Names the body, what it was given, and what to give instead.
+    """
+    import numpy as np
+
+    for k, one in enumerate(points):
+        group, who = c.group_of(k), f"body {c.sim.body_name(c.sim.bodies[k])!r}"
+        law = type(group.material).__name__
+        if one.stress is not None and "stress" not in group.hooks["stress"].arguments:
+            raise CompositionError(
+                f"{who}: the initial stress would be lost, since {law} computes the stress from F alone; give the initial F, or use a law in rate form"
+            )
+        held: Any = (("F", one.F, TENSOR, np.eye(3).ravel(), 9), ("stress", one.stress, SYMMETRIC, np.zeros(6), 6))
+        for name, value, stored, default, size in held:
+            if value is None:
+                continue
+            lost = np.setdiff1d(np.arange(size), stored[group.layout.space])
+            rows = np.asarray(value).reshape(-1, size)[:, lost]
+            if (rows != default[lost]).any():
+                what = "uniaxial stress" if group.layout.space == "bar" else c.grid.space
+                raise CompositionError(
+                    f"{who}: the initial {name} has components that do not exist in {what}: component {lost[np.argmax((rows != default[lost]).any(axis=0))]} "
+                    f"(counted from 0) must be {default[lost][np.argmax((rows != default[lost]).any(axis=0))]:g}; leave it out, or use a grid in which it exists"
+                )
 
 
 def layers_by_faces(layers: dict[str, BoundaryLayer], grid: Any) -> dict[str, tuple[str, ...]]:

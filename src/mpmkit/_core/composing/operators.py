@@ -39,8 +39,8 @@ class GridOperator:
         x = loop.field("x")
         lines = []
         for a in range(loop.dim):
-            lower = loop.parameter(f"lower{a}", lambda roles, a=a: roles["grid"].lower[a])  # type: ignore[misc]
-            inv_h = loop.parameter(f"inv_h{a}", lambda roles, a=a: 1.0 / roles["grid"].spacing[a])  # type: ignore[misc]
+            lower = loop.along("lower", a)
+            inv_h = loop.along("inv_h", a)
             special = {"f": f"xi{a} - T(i{a})"}
             if shape.particle_size != "none":
                 half = f"{loop.field('size')}[{a}] * {inv_h}"
@@ -57,7 +57,7 @@ class GridOperator:
                 lines.append(f"f{a} = xi{a} - T(i{a})")
         if "moment" in loop.needs:
             for a in range(loop.dim):
-                h = loop.parameter(f"h{a}", lambda roles, a=a: roles["grid"].spacing[a])  # type: ignore[misc]
+                h = loop.along("h", a)
                 lines.append(f"e{a} = moment(w{a}, d{a}, f{a}, {h})")
         return lines
 
@@ -75,11 +75,11 @@ class GridOperator:
         if "g" in loop.needs:
             for b in range(loop.dim):
                 factors = " * ".join(f"{'d' if a == b else 'w'}{a}[a{a}]" for a in range(loop.dim))
-                inv_h = loop.parameter(f"inv_h{b}", lambda roles, b=b: 1.0 / roles["grid"].spacing[b])  # type: ignore[misc]
+                inv_h = loop.along("inv_h", b)
                 lines.append(f"{pad}g{b} = {factors} * {inv_h}")
         if "r" in loop.needs:
             for b in range(loop.dim):
-                h = loop.parameter(f"h{b}", lambda roles, b=b: roles["grid"].spacing[b])  # type: ignore[misc]
+                h = loop.along("h", b)
                 lines.append(f"{pad}r{b} = (T(a{b}) - f{b}) * {h}")
         if "moment" in loop.needs:
             for b in range(loop.dim):

@@ -49,7 +49,9 @@ def forces(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, 
     if part == "gather":
         return
     c, dim = loop.composition, loop.dim
-    loop.titles.append("internal forces f_i = -sum_p V_p sigma_p grad N_i" + (", with the viscous pressure q" if "q" in loop.group.layout.fields else ""))
+    loop.titles.append(
+        "internal forces f_i = -sum_p V_p sigma_p grad N_i" + (", with the viscous pressure q" if "q" in loop.group.layout.fields else "")
+    )
     loop.needs |= {"g", "w"} if c.grid.space == "axisymmetric" else {"g"}
     stress = loop.field("stress")
     if "q" in loop.group.layout.fields:
@@ -104,7 +106,9 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
     transfer = c.transfer
     asks = transfer.velocity.arguments if transfer is not None else ("v_grid",)
     if part == "gather":
-        loop.titles.append(f"particle velocities by {type(transfer).__name__}" if transfer is not None else "particle velocities from the nodes")
+        loop.titles.append(
+            f"particle velocities by {type(transfer).__name__}" if transfer is not None else "particle velocities from the nodes"
+        )
         loop.needs.add("w")
         for a in range(dim):
             _gather_once(loop, f"vg{a}", f"w * {node(nodes, 'v', a)}")
@@ -176,8 +180,8 @@ def advect(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, 
     loop.line(f"x = ({', '.join(new + ['zero'] * (3 - dim))})")
     inside = []
     for a in range(dim):
-        low = loop.parameter(f"lower{a}", lambda roles, a=a: roles["grid"].lower[a])  # type: ignore[misc]
-        high = loop.parameter(f"upper{a}", lambda roles, a=a: roles["grid"].upper[a])  # type: ignore[misc]
+        low = loop.along("lower", a)
+        high = loop.along("upper", a)
         inside.append(f"x[{a}] >= {low} and x[{a}] <= {high}")
     loop.line(f"if not ({' and '.join(inside)}):  # outside, or not a number")
     loop.line("    flag[1] = p")
@@ -278,6 +282,15 @@ def _tensor(name: str) -> Callable[..., object]:
     return getattr(increments, name, None) or getattr(tensor, name)  # type: ignore[no-any-return]
 
 
-PIECES: dict[str, Piece] = {"p2g": p2g, "forces": forces, "filter": filter_, "g2p": g2p, "remap": remap, "advect": advect, "strain": strain, "stress": stress}
+PIECES: dict[str, Piece] = {
+    "p2g": p2g,
+    "forces": forces,
+    "filter": filter_,
+    "g2p": g2p,
+    "remap": remap,
+    "advect": advect,
+    "strain": strain,
+    "stress": stress,
+}
 
 __all__ = ["PIECES", "Piece", "Transfer", "node"]

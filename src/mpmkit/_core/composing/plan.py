@@ -21,7 +21,19 @@ from mpmkit._core.composing.source import Names, Parameters, ParticleLoop
 from mpmkit._core.composing.writer import fused_function, particle_function
 from mpmkit.fields import PARTICLE_FIELDS
 
-LEDGER = ("mass", "momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "angular_z", "kinetic", "stored", "dissipated", "volume")
+LEDGER = (
+    "mass",
+    "momentum_x",
+    "momentum_y",
+    "momentum_z",
+    "angular_x",
+    "angular_y",
+    "angular_z",
+    "kinetic",
+    "stored",
+    "dissipated",
+    "volume",
+)
 
 
 @attrs.define(eq=False)
@@ -105,7 +117,15 @@ def make_plan(c: Composition) -> Plan:
 
 
 def _phase_texts(
-    c: Composition, phase: Phase, layout: NodeLayout, operator: Any, loop: Any, sweep: Any, channel: dict[str, str], has_velocity: bool, plan: Schedule
+    c: Composition,
+    phase: Phase,
+    layout: NodeLayout,
+    operator: Any,
+    loop: Any,
+    sweep: Any,
+    channel: dict[str, str],
+    has_velocity: bool,
+    plan: Schedule,
 ) -> list[tuple[str, str]]:
     """Functions one phase needs: (name, text)."""
     if phase.kind == "particles":
@@ -121,7 +141,7 @@ def _phase_texts(
             out.append((f"{phase.name}_{g.name}", sweeps.load(one, layout, operator, phase.role, f"{phase.name}_{g.name}")))
         return out
     if phase.kind == "boundary":
-        on_old = phase.channel == "v" and not has_velocity or (phase.channel == "v" and c.stored_operator)
+        on_old = (phase.channel == "v" and not has_velocity) or (phase.channel == "v" and c.stored_operator)
         return [(phase.name, sweeps.boundary(sweep(), phase.role, phase.channel, on_old, phase.name))]
     if phase.kind == "nodes":
         if phase.name in ("momentum", "start_momentum"):
@@ -256,25 +276,34 @@ def _mass_matrix(loop: ParticleLoop, layout: NodeLayout, operator: Any) -> str:
     loop.needs.add("w")
     loop.field("m")
     loop.scatter += [
-        "row = number[k // %d]" % layout.size,
+        f"row = number[k // {layout.size}]",
         "for q in range(count):",
         "    M[row, rows[q]] += m * w * ws[q]",
     ]
     loop.gather_zero.append("count = 0")
-    loop.gather += ["rows[count] = number[k // %d]" % layout.size, "ws[count] = w", "count += 1"]
-    return particle_function(loop, layout, operator, f"mass_matrix_{loop.group.name}", "Consistent mass matrix", extra="M, number, rows, ws, ")
+    loop.gather += [f"rows[count] = number[k // {layout.size}]", "ws[count] = w", "count += 1"]
+    return particle_function(
+        loop, layout, operator, f"mass_matrix_{loop.group.name}", "Consistent mass matrix", extra="M, number, rows, ws, "
+    )
 
 
 def _header(c: Composition, names: Names) -> str:
     # Only kinds of components: their values are run-time parameters and do not belong to the text.
     sim = c.sim
-    kinds = [type(x).__name__ for x in (sim.shape, sim.integrator, sim.discretization, *sim.boundaries, *sim.contacts, *sim.effects) if x is not None]
+    kinds = [
+        type(x).__name__
+        for x in (sim.shape, sim.integrator, sim.discretization, *sim.boundaries, *sim.contacts, *sim.effects)
+        if x is not None
+    ]
     lines = [
         f'"""One step of a simulation composed of {", ".join(kinds)}',
-        f"in {c.grid.space} with {', '.join(g.name for g in c.groups)}, {sim.precision}. Written by mpmkit {mpmkit.__version__}; edit the components, not this file.",
+        f"in {c.grid.space} with {', '.join(g.name for g in c.groups)}, {sim.precision}. Written by mpmkit "
+        f"{mpmkit.__version__}; edit the components, not this file.",
         "",
         "P: particles of one body, component k of particle p at P[(p >> 4) * 16 R + 16 k + (p & 15)].",
-        "G: nodes, channel c of node i at G[i C + c]; channels: " + ", ".join(f"{n} {s}" for n, s in _node_channels(c, schedule(c, c.verbs)).start.items()) + ".",
+        "G: nodes, channel c of node i at G[i C + c]; channels: "
+        + ", ".join(f"{n} {s}" for n, s in _node_channels(c, schedule(c, c.verbs)).start.items())
+        + ".",
         "par: run-time parameters. lat: cells and strides of the grid. Component functions are filled in when this module is loaded:",
     ]
     for name, f in names.functions.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import attrs
@@ -53,6 +54,24 @@ class Names:
         return unique
 
 
+def _of_grid(quantity: str, axis: int, roles: dict[str, Any]) -> float:
+    grid = roles["grid"]
+    if quantity in ("h", "inv_h"):
+        return float(grid.spacing[axis] if quantity == "h" else 1.0 / grid.spacing[axis])
+    return float(getattr(grid, quantity)[axis])
+
+
+def _component_of(role: str, name: str, k: int, roles: dict[str, Any]) -> float:
+    return float(getattr(roles[role], name)[k])
+
+
+def _constant_of(role: str, name: str, dim: int, k: int, roles: dict[str, Any]) -> float:
+    from mpmkit.expression import as_function
+
+    constant: Any = as_function(getattr(roles[role], name), dim)
+    return float(constant[k])
+
+
 class Text:
     """Lines of a function under construction, in sections, and the names it has used."""
 
@@ -66,6 +85,10 @@ class Text:
     def parameter(self, name: str, getter: Callable[[dict[str, Any]], float]) -> str:
         self.used[name] = self.parameters.slot(name, getter)
         return name
+
+    def along(self, quantity: str, axis: int) -> str:
+        """A number of the grid along one axis: "lower", "upper", "h" or "inv_h"."""
+        return self.parameter(f"{quantity}{axis}", partial(_of_grid, quantity, axis))
 
     def parameter_lines(self) -> list[str]:
         return [f"    {name} = par[{slot}]" for name, slot in self.used.items()]
@@ -93,7 +116,7 @@ class Text:
         if name in getattr(component, "values", ()):
             return self.value(name, component, role, special)
         if isinstance(value, tuple) and all(isinstance(v, (int, float)) for v in value):
-            parts = [self.parameter(f"{role}_{name}_{k}", lambda roles, k=k: float(getattr(roles[role], name)[k])) for k in range(len(value))]  # type: ignore[misc]
+            parts = [self.parameter(f"{role}_{name}_{k}", partial(_component_of, role, name, k)) for k in range(len(value))]
             return f"({', '.join(parts + ['zero'] * (3 - len(parts)))})"
         found = self.field(name)
         if found is None:
@@ -114,11 +137,7 @@ class Text:
             arguments = [self.argument(a, component, role, name, special) for a in made.__code__.co_varnames[: made.__code__.co_argcount]]
             return f"{function}({', '.join(arguments)})"
 
-        def getter(roles: dict[str, Any], k: int) -> float:
-            constant = as_function(getattr(roles[role], name), self.composition.dim)
-            return float(constant[k])  # type: ignore[index]
-
-        parts = [self.parameter(f"{role}_{name}_{k}", lambda roles, k=k: getter(roles, k)) for k in AXES]  # type: ignore[misc]
+        parts = [self.parameter(f"{role}_{name}_{k}", partial(_constant_of, role, name, self.composition.dim, k)) for k in AXES]
         return f"({', '.join(parts)})"
 
     def field(self, name: str) -> str | None:
@@ -183,7 +202,7 @@ class ParticleLoop(Text):
                 self.line(f"{name}{k} = {self.at(name, stored.index(k))}")
                 parts.append(f"{name}{k}")
             else:
-                diagonal = field.shape == "tensor" and k in (0, 4, 8) or field.shape == "symmetric" and k < 3
+                diagonal = (field.shape == "tensor" and k in (0, 4, 8)) or (field.shape == "symmetric" and k < 3)
                 parts.append("one" if diagonal and field.initial == 1.0 else "zero")
         self.line(f"{name} = ({', '.join(parts)})")
 

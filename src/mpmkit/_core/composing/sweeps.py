@@ -9,7 +9,19 @@ from mpmkit._core.composing.pieces import node
 from mpmkit._core.composing.source import Names, Parameters, ParticleLoop, Text
 
 # Slots of the ledger array `work` that the loops over nodes add to.
-WORK = ("external", "effect_dissipation", "boundary", "friction", "contact", "impulse_x", "impulse_y", "impulse_z", "force_x", "force_y", "force_z")
+WORK = (
+    "external",
+    "effect_dissipation",
+    "boundary",
+    "friction",
+    "contact",
+    "impulse_x",
+    "impulse_y",
+    "impulse_z",
+    "force_x",
+    "force_y",
+    "force_z",
+)
 
 
 def vector(layout: NodeLayout, channel: str, dim: int) -> str:
@@ -35,8 +47,8 @@ class Sweep(Text):
             return "(" + ", ".join([f"X_nodes[{index}, {a}]" for a in range(self.dim)] + ["zero"] * (3 - self.dim)) + ")"
         parts, rest = [], index
         for a in range(self.dim):
-            lower = self.parameter(f"lower{a}", lambda roles, a=a: roles["grid"].lower[a])  # type: ignore[misc]
-            h = self.parameter(f"h{a}", lambda roles, a=a: roles["grid"].spacing[a])  # type: ignore[misc]
+            lower = self.along("lower", a)
+            h = self.along("h", a)
             ghosts = self.parameter("ghosts", lambda roles: roles["ghosts"])
             parts.append(f"{lower} + (T(({rest}) // lat[{3 + a}]) - {ghosts}) * {h}")
             rest = f"({rest}) % lat[{3 + a}]"
@@ -44,7 +56,12 @@ class Sweep(Text):
 
     def body(self, name: str, doc: str, arguments: str, header: list[str], lines: list[str], tail: list[str] = []) -> str:  # noqa: B006
         text = ["@compiled", f"def {name}({arguments}, par, lat, work, t, dt):", f'    """{doc}"""', *self.parameter_lines()]
-        return "\n".join([*text, *(f"    {line}" for line in header), *(f"        {line}" for line in lines), *(f"    {line}" for line in tail)]) + "\n"
+        return (
+            "\n".join(
+                [*text, *(f"    {line}" for line in header), *(f"        {line}" for line in lines), *(f"    {line}" for line in tail)]
+            )
+            + "\n"
+        )
 
     def smallest_mass(self) -> str:
         return self.parameter("m_small", lambda roles: roles["m_small"])
@@ -92,7 +109,11 @@ def momentum(sweep: Sweep, has_velocity: bool, name: str) -> str:
     lines += [f"    {line}" for line in inner]
     lines += ["else:  # no particle within reach"]
     lines += [f"    {node(layout, channel, a)} = zero" for channel in ("v_old", "v") for a in range(dim)]
-    header = ["external, effects = 0.0, 0.0", *([f"push{a} = 0.0" for a in range(dim)] if pushes else []), "for i in range(span[0], span[1]):"]
+    header = [
+        "external, effects = 0.0, 0.0",
+        *([f"push{a} = 0.0" for a in range(dim)] if pushes else []),
+        "for i in range(span[0], span[1]):",
+    ]
     tail = ["work[0] += external", "work[1] += effects", *([f"work[{8 + a}] += push{a}" for a in range(dim)])] if pushes else []
     if not pushes:
         header = header[-1:]
@@ -129,7 +150,13 @@ def carry(sweep: Sweep, name: str) -> str:
         lines += [f"{node(layout, 'v_old', a)} = {node(layout, 'v', a)}", f"{node(layout, 'v', a)} = zero"]
         if "f_ext" in layout.start:
             lines.append(f"{node(layout, 'f_ext', a)} = zero")
-    return sweep.body(name, "Nodes carry their velocity: v_old = v, f = 0.", _grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
+    return sweep.body(
+        name,
+        "Nodes carry their velocity: v_old = v, f = 0.",
+        _grid_arguments(sweep.composition),
+        ["for i in range(span[0], span[1]):"],
+        lines,
+    )
 
 
 def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> str:
@@ -204,7 +231,7 @@ def load(loop: ParticleLoop, layout: NodeLayout, operator: object, role: str, na
     assert layer.load is not None
     loop.needs |= {"w", "g"}
     for field in ("x", "size", "F"):
-        if field == "x" or c.shape is not None and field in loop.group.layout.fields:
+        if field == "x" or (c.shape is not None and field in loop.group.layout.fields):
             loop.field(field)
     special = {
         "area": "area[j]",
@@ -274,10 +301,18 @@ def contact_functions(sweep: Sweep, channels: list[str]) -> str:
 
         special = {"m_a": "A[k]", "m_b": "B[k]", "v_a": "v_a", "v_b": "v_b", "normal": "n", "gap": "reach_b[s] - reach_a[s]"}
         call = text.call("impulse", c.contact.impulse, "contact", None, special)
-        lines = [f"k = found[s] * {layout.size}", f"v_a, v_b = {both('A')}, {both('B')}", "n = (normals[s, 0], normals[s, 1], normals[s, 2])", f"impulse = {call}"]
+        lines = [
+            f"k = found[s] * {layout.size}",
+            f"v_a, v_b = {both('A')}, {both('B')}",
+            "n = (normals[s, 0], normals[s, 1], normals[s, 2])",
+            f"impulse = {call}",
+        ]
         if channel == "v":
             old = layout.start["v_old"]
-            slip = [f"(A[k + {old + a}] + v_a[{a}] + impulse[{a}] / A[k] - B[k + {old + a}] - v_b[{a}] + impulse[{a}] / B[k])" for a in range(dim)]
+            slip = [
+                f"(A[k + {old + a}] + v_a[{a}] + impulse[{a}] / A[k] - B[k + {old + a}] - v_b[{a}] + impulse[{a}] / B[k])"
+                for a in range(dim)
+            ]
             lines.append("lost -= " + " + ".join(f"impulse[{a}] * {slip[a]}" for a in range(dim)))
         lines += [f"A[k + {at + a}] += impulse[{a}] / A[k]" for a in range(dim)]
         lines += [f"B[k + {at + a}] -= impulse[{a}] / B[k]" for a in range(dim)]
@@ -301,7 +336,11 @@ def reach_function(loop: ParticleLoop, layout: NodeLayout, operator: GridOperato
     for field in ("x", "V", "size", "F"):
         if field in ("x", "V") or field in loop.group.layout.fields:
             loop.field(field)
-    loop.line(f"half = T(0.5) * V ** T({1.0 / dim!r})" if loop.composition.grid.space != "axisymmetric" else "half = T(0.5) * sqrt(V / (T(6.283185307179586) * x[0]))")
+    loop.line(
+        f"half = T(0.5) * V ** T({1.0 / dim!r})"
+        if loop.composition.grid.space != "axisymmetric"
+        else "half = T(0.5) * sqrt(V / (T(6.283185307179586) * x[0]))"
+    )
     distance = " + ".join(f"r{b} * normals[s, {b}]" for b in range(dim))
     loop.scatter += [
         f"s = slot[k // {layout.size}]",
@@ -311,7 +350,9 @@ def reach_function(loop: ParticleLoop, layout: NodeLayout, operator: GridOperato
     ]
     from mpmkit._core.composing.writer import particle_function
 
-    return particle_function(loop, layout, operator, name, "How far this body reaches along the contact normals.", extra="slot, normals, reach, side, ")
+    return particle_function(
+        loop, layout, operator, name, "How far this body reaches along the contact normals.", extra="slot, normals, reach, side, "
+    )
 
 
 def _grid_arguments(c: Composition) -> str:
@@ -345,9 +386,15 @@ def filter_start(sweep: Sweep) -> str:
     lines = [f"k = i * {layout.size}"]
     for a in range(dim):
         old = node(layout, "v_old", a)
-        lines += [f"{node(layout, 'u', a)} = {old}", f"{node(layout, 'v_smooth', a)} = weight * {old}", f"{node(layout, 'u_next', a)} = zero"]
+        lines += [
+            f"{node(layout, 'u', a)} = {old}",
+            f"{node(layout, 'v_smooth', a)} = weight * {old}",
+            f"{node(layout, 'u_next', a)} = zero",
+        ]
     header = ["for i in range(span[0], span[1]):"]
-    return sweep.body("filter_start", "Nodes: start of the filtered velocity of XPIC.", _grid_arguments(sweep.composition) + ", weight", header, lines)
+    return sweep.body(
+        "filter_start", "Nodes: start of the filtered velocity of XPIC.", _grid_arguments(sweep.composition) + ", weight", header, lines
+    )
 
 
 def filter_add(sweep: Sweep) -> str:
@@ -359,4 +406,6 @@ def filter_add(sweep: Sweep) -> str:
         u, u_next = node(layout, "u", a), node(layout, "u_next", a)
         lines += [f"    {u} = {u_next} / m", f"    {node(layout, 'v_smooth', a)} += weight * {u}", f"    {u_next} = zero"]
     header = ["for i in range(span[0], span[1]):"]
-    return sweep.body("filter_add", "Nodes: one term of the filtered velocity of XPIC.", _grid_arguments(sweep.composition) + ", weight", header, lines)
+    return sweep.body(
+        "filter_add", "Nodes: one term of the filtered velocity of XPIC.", _grid_arguments(sweep.composition) + ", weight", header, lines
+    )

@@ -51,7 +51,14 @@ def particle_function(
         inner += header + [f"{pad}{line}" for line in loop.scatter]
     inner += loop.store_lines
     text = "\n".join(inner)
-    sums = {"speed": ("zero", 0), "diffusion": ("zero", 1), "viscous": ("0.0", 2), "external": ("0.0", 5), "x_low": ("T(1e30)", 3), "x_high": ("T(-1e30)", 4)}
+    sums = {
+        "speed": ("zero", 0),
+        "diffusion": ("zero", 1),
+        "viscous": ("0.0", 2),
+        "external": ("0.0", 5),
+        "x_low": ("T(1e30)", 3),
+        "x_high": ("T(-1e30)", 4),
+    }
     used = {n: s for n, s in sums.items() if f"{n} = m" in text or f"\n{n} -= " in text or f"\n{n} += " in text}
     before = [f"{n} = {start}" for n, (start, _) in used.items()]
     after = [f"out[{slot}] {'+=' if n in ('viscous', 'external') else '='} {n}" for n, (_, slot) in used.items()]

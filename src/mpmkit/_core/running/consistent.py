@@ -32,7 +32,9 @@ class ConsistentMomentum:
         layout, G = e.plan.node_layout, e.fields[0].G.reshape(-1, e.channels)
         active = np.flatnonzero(G[:, 0] > e.m_small)
         if active.size > LARGEST:
-            raise CompositionError(f"mass='consistent' is dense and allowed up to {LARGEST} occupied nodes; this scene has {active.size}. Use mass='lumped'")
+            raise CompositionError(
+                f"mass='consistent' is dense and allowed up to {LARGEST} occupied nodes; this scene has {active.size}. Use mass='lumped'"
+            )
         M = self._matrix(active, t, dt)
         old, new = layout.start["v_old"], layout.start["v"]
         f_ext = layout.start.get("f_ext")
@@ -70,7 +72,10 @@ class ConsistentMomentum:
     def _acceleration(self, effect: Any, active: Any, a: int, t: float) -> Any:
         g = getattr(effect, "g", None)
         if g is None:
-            raise CompositionError(f"mass='consistent' works with Gravity and BodyForce; {type(effect).__name__} changes nodal accelerations. Use mass='lumped'")
+            raise CompositionError(
+                f"mass='consistent' works with Gravity and BodyForce; {type(effect).__name__} changes nodal accelerations. Use "
+                "mass='lumped'"
+            )
         return g[a]
 
     def _held(self, active: Any, a: int) -> tuple[Any, Any]:
@@ -94,9 +99,13 @@ class ConsistentMomentum:
     def _constrain(self, layer: Any, v: tuple[float, ...], n: Any) -> Any:
         special = {"v": v, "normal": tuple(float(c) for c in n)}
         try:
-            return layer.constrain(*(special[name] if name in special else self._constant(layer, name) for name in layer.constrain.arguments))
+            return layer.constrain(
+                *(special[name] if name in special else self._constant(layer, name) for name in layer.constrain.arguments)
+            )
         except KeyError as error:
-            raise CompositionError(f"mass='consistent' needs constant conditions; {type(layer).__name__} asks for {error}. Use mass='lumped'") from None
+            raise CompositionError(
+                f"mass='consistent' needs constant conditions; {type(layer).__name__} asks for {error}. Use mass='lumped'"
+            ) from None
 
     def _constant(self, layer: Any, name: str) -> Any:
         from mpmkit.expression import as_function

@@ -23,9 +23,9 @@ class Pair:
 
     def resize(self, size: int, dtype: type) -> None:
         self.found = np.zeros(size, dtype=np.int64)
-        self.normals = np.zeros((size, 3), dtype=dtype)
-        self.reach_a = np.zeros(size, dtype=dtype)
-        self.reach_b = np.zeros(size, dtype=dtype)
+        self.normals: Any = np.zeros((size, 3), dtype=dtype)
+        self.reach_a: Any = np.zeros(size, dtype=dtype)
+        self.reach_b: Any = np.zeros(size, dtype=dtype)
 
 
 class ContactPairs:

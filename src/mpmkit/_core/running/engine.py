@@ -21,7 +21,7 @@ class Field:
     """One velocity field on the nodes: of all bodies, or of one body if there is contact."""
 
     def __init__(self, n_nodes: int, channels: int, dtype: type) -> None:
-        self.G = np.zeros(n_nodes * channels, dtype=dtype)
+        self.G: Any = np.zeros(n_nodes * channels, dtype=dtype)
         self.span = np.array([0, n_nodes], dtype=np.int64)  # nodes that may be occupied
 
 
@@ -53,7 +53,13 @@ class Engine:
         particle_mass = min(float(s.get("m").min()) for s in stores)
         small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
         mean_mass = float(np.mean([s.get("m").mean() for s in stores]))
-        roles = c.roles() | {"m_limit": c.fraction * mean_mass, "m_light": 0.5 * mean_mass, "grid": c.grid, "ghosts": float(plan.operator.padding[0]), "m_small": small}
+        roles = c.roles() | {
+            "m_limit": c.fraction * mean_mass,
+            "m_light": 0.5 * mean_mass,
+            "grid": c.grid,
+            "ghosts": float(plan.operator.padding[0]),
+            "m_small": small,
+        }
         self.node_par = plan.node_parameters.values(roles, self.dtype)
         self.m_small = small
         self.body_par = [
@@ -69,7 +75,7 @@ class Engine:
     def _nodes(self) -> None:
         c, plan = self.c, self.plan
         if c.stored_operator:
-            self.X_nodes = np.concatenate([s.points.nodes for s in self.stores])
+            self.X_nodes: Any = np.concatenate([s.points.nodes for s in self.stores])
             first = 0
             for s in self.stores:
                 s.operator = (s.points.connectivity + first, s.points.N.astype(self.dtype), s.points.dN.astype(self.dtype))
@@ -105,7 +111,7 @@ class Engine:
             axis, upper = "xyz".index(face[0]), face.endswith("max")
             wall = grid.upper[axis] if upper else grid.lower[axis]
             on = np.flatnonzero(np.abs(x[:, axis] - wall) < 1e-6 * grid.spacing[axis])
-            n = np.zeros((on.size, 3), dtype=self.dtype)
+            n: Any = np.zeros((on.size, 3), dtype=self.dtype)
             n[:, axis] = 1.0 if upper else -1.0
             numbers.append(on)
             normals.append(n)
@@ -129,10 +135,12 @@ class Engine:
         return operations
 
     def _bind_phase(self, phase: Phase, schedule: Schedule) -> list[Operation]:
-        m, c = self.module, self.c
+        m = self.module
         tail = (self.node_par, self.lat, self.work)
         if phase.kind == "particles":
-            return [(phase.name, getattr(m, f"{phase.name}_{s.group.name}"), self._particle_arguments(k)) for k, s in enumerate(self.stores)]
+            return [
+                (phase.name, getattr(m, f"{phase.name}_{s.group.name}"), self._particle_arguments(k)) for k, s in enumerate(self.stores)
+            ]
         if phase.kind == "loads":
             return self._bind_load(phase)
         if phase.kind == "nodes":
@@ -176,8 +184,11 @@ class Engine:
             if getattr(layer, "body", None) not in (None, self.c.sim.body_name(body)):
                 continue
             chosen = layer.select(s.points, self.c.grid)
-            arrays = tuple(np.ascontiguousarray(a, dtype=self.dtype) for a in (chosen.area, chosen.normals, chosen.arms))
-            out.append((phase.name, getattr(self.module, f"{phase.name}_{s.group.name}"), (*self._particle_arguments(k), chosen.chosen, *arrays)))
+            assert chosen is not None
+            arrays: Any = tuple(np.ascontiguousarray(a, dtype=self.dtype) for a in (chosen.area, chosen.normals, chosen.arms))
+            out.append(
+                (phase.name, getattr(self.module, f"{phase.name}_{s.group.name}"), (*self._particle_arguments(k), chosen.chosen, *arrays))
+            )
         return out
 
     # --- running ------------------------------------------------------------------------------------------------

@@ -21,7 +21,9 @@ def check(engine: Engine) -> None:
     speed = engine.outs[:, 0].max()
     if not np.isfinite(speed):
         body = int(np.argmax(~np.isfinite(engine.outs[:, 0])))
-        raise StabilityError(_where(engine, body, None, "the wave speed is not a number", "lower cfl, or look at the material's range of validity"))
+        raise StabilityError(
+            _where(engine, body, None, "the wave speed is not a number", "lower cfl, or look at the material's range of validity")
+        )
 
 
 def _explain(engine: Engine) -> None:
@@ -36,10 +38,12 @@ def _explain(engine: Engine) -> None:
         grid = engine.c.grid
         raise StabilityError(
             _where(
-                engine, body, particle,
+                engine,
+                body,
+                particle,
                 f"it left the domain: x = {_text(x)} m is outside {_text(grid.lower)} to {_text(grid.upper)}",
                 "enlarge the grid, or put a Wall or Symmetry on that face",
-            )  # fmt: skip
+            )
         )
     reason = "J = det F is not a number (NaN)" if not np.isfinite(J) else f"the material is inverted, J = {J:.4g} <= 0"
     raise StabilityError(_where(engine, body, particle, reason, _cfl(engine)))
@@ -54,7 +58,9 @@ def _where(engine: Engine, body: int, particle: int | None, what: str, fix: str)
 
 def _cfl(engine: Engine) -> str:
     cfl = getattr(engine.c.integrator or engine.c.discretization, "cfl", None)
-    return f"lower cfl (now {cfl:g}), refine the grid, or use a shape function of higher order" if cfl else "refine the grid or the time step"
+    return (
+        f"lower cfl (now {cfl:g}), refine the grid, or use a shape function of higher order" if cfl else "refine the grid or the time step"
+    )
 
 
 def _text(x: object) -> str:

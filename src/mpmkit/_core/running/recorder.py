@@ -58,7 +58,10 @@ class Recorder:
         else:
             self.file = ParticleFile.reopen(record.path)
             if self.file.n_frames < resumed:
-                raise ResultsError(f"{record.path}: has {self.file.n_frames} frames, the checkpoint was written after {resumed}; they do not belong together")
+                raise ResultsError(
+                    f"{record.path}: has {self.file.n_frames} frames, the checkpoint was written after {resumed}; they do not "
+                    "belong together"
+                )
             self.file.truncate(resumed)
             self.times = self.file.times.tolist()
             self.history = HistoryFile.reopen(history, run.engine.step_number)
@@ -112,7 +115,13 @@ class Recorder:
         x = data.pop("x")
         data.pop("body")
         self.times.append(engine.t)
-        self.file.append(engine.t, engine.step_number, _three(x), {n: _three(v) if self._is_vector(n) else v for n, v in data.items()}, {s: row[s] for s in SCALARS})
+        self.file.append(
+            engine.t,
+            engine.step_number,
+            _three(x),
+            {n: _three(v) if self._is_vector(n) else v for n, v in data.items()},
+            {s: row[s] for s in SCALARS},
+        )
 
     def frames_until(self, t: float) -> int:
         """Frames written up to this time: what a resumed run keeps."""
@@ -127,7 +136,7 @@ class Recorder:
         """Write the state, unless the last checkpoint is younger than a second (`always`: unless it is this very state)."""
         path = paths.checkpoint_path(self.record.path)
         now, engine = time.perf_counter(), self.run.engine
-        if not self.record.checkpoint and not always or engine.step_number == self.saved_step:
+        if (not self.record.checkpoint and not always) or engine.step_number == self.saved_step:
             return path
         finished = always or now - self.last_checkpoint >= CHECKPOINT_SECONDS
         if finished:

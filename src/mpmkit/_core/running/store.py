@@ -30,7 +30,7 @@ class BodyStore:
         self.group, self.name, self.n = group, name, len(points.x)
         self.layout = group.layout
         self.tiles = (self.n + LANES - 1) // LANES
-        self.P = np.zeros(self.tiles * LANES * self.layout.size, dtype=dtype)
+        self.P: Any = np.zeros(self.tiles * LANES * self.layout.size, dtype=dtype)
         self.out = np.zeros(8)
         self.flag = np.full(4, -1, dtype=np.int64)
         self.points = points

@@ -23,9 +23,13 @@ def limits(engine: Engine) -> list[Limit]:
     out = []
     for store, row in zip(engine.stores, engine.outs, strict=True):
         if row[0] > 0.0:
-            out.append(Limit(h / row[0], f"wave speed and particle speed of body {store.name!r}, h / (c + |v|) with c + |v| = {row[0]:.6g} m/s"))
+            out.append(
+                Limit(h / row[0], f"wave speed and particle speed of body {store.name!r}, h / (c + |v|) with c + |v| = {row[0]:.6g} m/s")
+            )
         if row[1] > 0.0:
-            out.append(Limit(h * h / (2.0 * dim * row[1]), f"viscosity of body {store.name!r}, h^2 / (2 dim nu) with nu = {row[1]:.6g} m^2/s"))
+            out.append(
+                Limit(h * h / (2.0 * dim * row[1]), f"viscosity of body {store.name!r}, h^2 / (2 dim nu) with nu = {row[1]:.6g} m^2/s")
+            )
     for role, effect in c.effects.items():
         out += [Limit(1.0 / rate, f"{role}: {rule}, 1 / rate") for rule, rate in effect.rates().items() if rate > 0.0]
     for role, layer in c.layers.items():

@@ -1,0 +1,157 @@
+"""Writes the reference pages that can be known from the code: one per registered component, and the command line.
+
+The facts come from `mpmkit.description.describe`, as for ``mpmkit describe``; an installed plugin of a third party gets its pages too.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+
+from mpmkit._core.registry import registry
+from mpmkit.cli.app import cli
+from mpmkit.description import describe
+from mpmkit.interfaces import KINDS
+from mpmkit.scene.parts import scene_objects
+
+GENERATED = "<!-- written by docs/generate.py; edit the docstring of the class instead -->\n"
+TITLES = {
+    "shape": "Shape functions",
+    "material": "Materials",
+    "contact": "Contact",
+    "boundary": "Boundary layers",
+    "integrator": "Integrators",
+    "transfer": "Transfers",
+    "effect": "Effects",
+    "discretization": "Discretizations",
+}
+
+
+def main(folder: Path) -> None:
+    """Write all pages below `folder`; files that are up to date are left alone, so that Sphinx rebuilds only what changed."""
+    pages = {f"components/{name}.md": page(describe(cls)) for name, cls in classes().items()}
+    pages["components/index.md"] = index()
+    pages["command-line.md"] = command_line()
+    (folder / "components").mkdir(parents=True, exist_ok=True)
+    for old in (folder / "components").glob("*.md"):
+        if f"components/{old.name}" not in pages:
+            old.unlink()
+    for name, text in pages.items():
+        path = folder / name
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+
+
+def classes() -> dict[str, type]:
+    """Everything that has a page: components, and the objects scenes are made of."""
+    return {entry.name: entry.component for entry in registry().entries} | scene_objects()
+
+
+def page(data: dict[str, Any]) -> str:
+    """One page, from the facts of `describe`."""
+    origin = f", from {data['distribution']} {data['version']}" if data.get("distribution") else ""
+    parts = [f"# {data['name']}\n", GENERATED, f"*{data['kind']}{origin}* (`{data['module']}`)\n", rst(data["summary"])]
+    if data["text"]:
+        parts.append(rst(data["text"]))
+    for title, body in data["sections"].items():
+        if title not in ("Parameters", "Attributes", "References", "Examples"):
+            parts += [f"## {title}\n", rst(body)]
+    parts += ["## Parameters\n", parameters(data["parameters"])]
+    if data.get("state"):
+        rows = [(f"`{f['name']}`", f["unit"], f["shape"], f"{f['initial']:g}", f["doc"]) for f in data["state"]]
+        parts += ["## State of each particle\n", table(("name", "unit", "shape", "at the start", "meaning"), rows)]
+    if data.get("capabilities"):
+        rows = [(name, words(value)) for name, value in data["capabilities"].items() if value not in ([], None)]
+        parts += ["## Capabilities\n", table(("what", "value"), rows)]
+    if data.get("kernels"):
+        rows = [(f"`{n}({', '.join(k['arguments'])})`", code(k["summary"])) for n, k in data["kernels"].items()]
+        parts += ["## Kernels\n", table(("kernel", "meaning"), rows)]
+    if data.get("known failures"):
+        parts += ["## Known to fail\n", table(("conformance check", "reason"), list(data["known failures"].items()))]
+    references = list(data.get("references", [])) + [s.strip() for s in data["sections"].get("References", "").splitlines() if s.strip()]
+    if references:
+        parts += ["## References\n", "\n".join(f"- {escape(r)}" for r in references) + "\n"]
+    return "\n".join(parts)
+
+
+def parameters(rows: list[dict[str, Any]]) -> str:
+    """The table of parameters."""
+    if not rows:
+        return "none\n"
+    cells = [
+        (f"`{p['name']}`", p["type"], p["unit"], p["bounds"], "required" if p["required"] else words(p["default"]), words(p["example"]), p["doc"])
+        for p in rows
+    ]
+    return table(("name", "type", "unit", "allowed", "default", "example", "meaning"), cells)
+
+
+def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A Markdown table."""
+    lines = [head, tuple("---" for _ in head), *rows]
+    return "\n".join("| " + " | ".join(cell if cell.startswith("`") else escape(cell) for cell in row) + " |" for row in lines) + "\n"
+
+
+def words(value: Any) -> str:
+    """A default, example or capability as text."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:g}"
+    return ", ".join(words(v) for v in value) if isinstance(value, (list, tuple)) else str(value)
+
+
+def escape(text: str) -> str:
+    """Text with the characters that Markdown would take for its own."""
+    return re.sub(r"([\\*_|<>$])", r"\\\1", text.replace("``", "`").replace("\n", " "))
+
+
+def code(text: str) -> str:
+    """A formula in letters, such as the first line of a kernel's docstring."""
+    return f"`{text.replace('`', '').replace('|', chr(0x2223))}`" if text else ""
+
+
+def rst(text: str) -> str:
+    """A part of a docstring, which is reStructuredText; ``|x|`` is an absolute value there, no substitution."""
+    lines, math = [], False
+    for line in text.splitlines():
+        math = line.strip().startswith(".. math::") or (math and (not line.strip() or line.startswith(" ")))
+        lines.append(line if math else re.sub(r"(:\w+:`[^`]*`|``[^`]*``)|\|", lambda m: m[1] or r"\|", line))
+    return "```{eval-rst}\n" + "\n".join(lines) + "\n```\n"
+
+
+def index() -> str:
+    """The page that lists all components by kind."""
+    out = ["# Components\n", GENERATED, "One page for each installed component and each object a scene is made of, as `mpmkit describe NAME` prints it.\n"]
+    for kind in KINDS:
+        names = list(registry().of(kind))
+        if names:
+            out += [f"## {TITLES.get(kind, kind)}\n", listing(names)]
+    out += ["## Objects of a scene\n", listing(list(scene_objects()))]
+    return "\n".join(out)
+
+
+def listing(names: list[str]) -> str:
+    """Names with their summaries, and their entries in the table of contents."""
+    rows = "\n".join(f"- [{name}]({name}.md): {escape(describe(classes()[name])['summary'])}" for name in names)
+    return rows + "\n\n```{toctree}\n:hidden:\n\n" + "\n".join(names) + "\n```\n"
+
+
+def command_line() -> str:
+    """The help texts of all commands."""
+    out = ["# Command line\n", "<!-- written by docs/generate.py from the commands themselves -->\n"]
+    with click.Context(cli, info_name="mpmkit") as context:
+        out += ["```text\n" + cli.get_help(context) + "\n```\n"]
+        for name in cli.list_commands(context):
+            command = cli.get_command(context, name)
+            with click.Context(command, info_name=name, parent=context) as inner:
+                out += [f"## mpmkit {name}\n", "```text\n" + command.get_help(inner) + "\n```\n"]
+    return "\n".join(out)
+
+
+if __name__ == "__main__":
+    main(Path(__file__).parent / "reference")
