@@ -13,7 +13,8 @@ __version__ = "0.1.0"
 _WHERE = {
     "mpmkit.bodies": ("Body",),
     "mpmkit.errors": (
-        "CompositionError", "FieldContractError", "MpmkitError", "ParameterError", "PluginError", "ResultsError", "SceneError", "StabilityError",
+        "CompositionError", "FieldContractError", "MpmkitError", "ParameterError", "PluginError", "ResultsError", "SceneError",
+        "StabilityError",
     ),
     "mpmkit.expression": ("Expression",),
     "mpmkit.fields": ("Field",),
@@ -35,7 +36,7 @@ _WHERE = {
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _WHERE.items() for name in names}
 
-__all__ = sorted(_MODULE_OF)  # noqa: PLE0605
+__all__ = sorted(_MODULE_OF)
 
 
 def __getattr__(name: str) -> Any:

@@ -74,10 +74,14 @@ class Body:
     geometry: Geometry = parameter("shape, or cloud of points")
     material: ConstitutiveModel = parameter("what it is made of")
     v: Value = parameter("velocity at the start: numbers, formulas, or a function of position", unit="m/s", default=0.0)
-    particles_per_cell: int | None = parameter("number of particles in a full cell, n^dim; 2^dim if not given", ge=1, default=None, kw_only=True)
+    particles_per_cell: int | None = parameter(
+        "number of particles in a full cell, n^dim; 2^dim if not given", ge=1, default=None, kw_only=True
+    )
     name: str | None = parameter("name in messages and results", default=None, kw_only=True)
     lattice: str = parameter("what the lattice of particles is aligned to", choices=("grid", "body"), default="grid", kw_only=True)
-    conserve: str = parameter("what the particles together have exactly as the shape", choices=("none", "volume"), default="none", kw_only=True)
+    conserve: str = parameter(
+        "what the particles together have exactly as the shape", choices=("none", "volume"), default="none", kw_only=True
+    )
     F: Any = parameter("deformation gradient at the start, 3 x 3", default=None, kw_only=True)
     stress: Any = parameter("Cauchy stress at the start, xx yy zz xy yz xz", unit="Pa", default=None, kw_only=True)
 
@@ -88,7 +92,9 @@ class Body:
         if self.particles_per_cell is not None:
             lattice_side(self.particles_per_cell, dim)
         if isinstance(self.geometry, PointCloud):
-            given = [n for n, default in (("particles_per_cell", None), ("lattice", "grid"), ("conserve", "none")) if getattr(self, n) != default]
+            given = [
+                n for n, default in (("particles_per_cell", None), ("lattice", "grid"), ("conserve", "none")) if getattr(self, n) != default
+            ]
             if given:
                 raise ParameterError(f"Body.{given[0]} has no meaning for a body given by its particles; leave it out")
         # Constants are checked now, so that a mistake is reported where it is made; the rest when the positions are known.
@@ -152,7 +158,9 @@ class Body:
             If the initial state has a wrong shape or is not finite, or the exact volume is asked for and not known.
         """
         if grid.dim != self.geometry.dim:
-            raise CompositionError(f"{self.label}: its geometry {self.geometry} has {self.geometry.dim} dimensions, the grid has {grid.dim}")
+            raise CompositionError(
+                f"{self.label}: its geometry {self.geometry} has {self.geometry.dim} dimensions, the grid has {grid.dim}"
+            )
         if isinstance(self.geometry, PointCloud):
             x, V0, size = self._of_cloud(grid, self.geometry)
         else:
@@ -204,7 +212,8 @@ class Body:
             bad = np.flatnonzero(np.linalg.det(F) <= 0.0)
             if len(bad):
                 raise ParameterError(
-                    f"{self.label}: F must have a determinant > 0, got {np.linalg.det(F[bad[0]]):g} at particle {bad[0]} ({len(bad)} such particles)"
+                    f"{self.label}: F must have a determinant > 0, got {np.linalg.det(F[bad[0]]):g} at particle {bad[0]} "
+                    f"({len(bad)} such particles)"
                 )
 
     def __eq__(self, other: object) -> bool:

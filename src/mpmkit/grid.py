@@ -59,7 +59,9 @@ class Grid:
             raise ParameterError(f"Grid.upper must be > Grid.lower in {name}, got lower {low:g} and upper {up:g} [m]")
         count = (up - low) / h
         if count > 2**31:
-            raise ParameterError(f"Grid.spacing {h:g} m divides the side in {name} ({up - low:g} m) into {count:.3g} cells; at most 2^31 are possible")
+            raise ParameterError(
+                f"Grid.spacing {h:g} m divides the side in {name} ({up - low:g} m) into {count:.3g} cells; at most 2^31 are possible"
+            )
         whole = max(2, round(count))
         if abs(count - round(count)) > max(_WHOLE, 4 * np.finfo(float).eps * count):
             raise ParameterError(
@@ -67,16 +69,22 @@ class Grid:
                 f"set upper in {name} to {low + whole * h:.12g}, or spacing to {(up - low) / whole:.12g}"
             )
         if round(count) < 2:
-            raise ParameterError(f"Grid: the side in {name} has {round(count)} cell; at least 2 are needed: set spacing to at most {(up - low) / 2:.12g} m")
+            raise ParameterError(
+                f"Grid: the side in {name} has {round(count)} cell; at least 2 are needed: set spacing to at most {(up - low) / 2:.12g} m"
+            )
 
     def _check_coordinates(self) -> None:
         if self.coordinates == "axisymmetric":
             if self.dim != 2:
                 raise ParameterError(f"Grid.coordinates 'axisymmetric' needs 2 numbers (r, z) in lower and upper, got {self.dim}")
             if self.lower[0] < 0.0:
-                raise ParameterError(f"Grid.lower: the radius must be >= 0 in axisymmetric coordinates, got {self.lower[0]:g}; the axis is at r = 0")
+                raise ParameterError(
+                    f"Grid.lower: the radius must be >= 0 in axisymmetric coordinates, got {self.lower[0]:g}; the axis is at r = 0"
+                )
         if self.lateral == "stress" and self.dim != 1:
-            raise ParameterError(f"Grid.lateral 'stress' (a slender bar) works in 1D only, this grid has {self.dim} dimensions; leave it out")
+            raise ParameterError(
+                f"Grid.lateral 'stress' (a slender bar) works in 1D only, this grid has {self.dim} dimensions; leave it out"
+            )
 
     @property
     def dim(self) -> int:

@@ -81,7 +81,9 @@ def initial_values(value: Any, x: Array, shape: tuple[int, ...], path: str) -> A
             array = array[:, None]
         allowed: tuple[tuple[int, ...], ...] = (shape, (n, *shape)) if shape != (1,) else ((), shape, (n, 1))
         if array.shape not in allowed:
-            raise ParameterError(f"{path}: the function returned the shape {array.shape}; it must return {(n, *shape)} or {shape} for x of shape {x.shape}")
+            raise ParameterError(
+                f"{path}: the function returned the shape {array.shape}; it must return {(n, *shape)} or {shape} for x of shape {x.shape}"
+            )
     elif isinstance(value, str) or (isinstance(value, tuple) and _has_text(value)):
         columns = [f.evaluate(x=x, X=x) if f is not None else c for f, c in formulas(value, shape, path, dim)]
         array = np.stack([np.broadcast_to(c, (n,)) for c in columns], axis=1).reshape(n, *shape)
@@ -92,7 +94,9 @@ def initial_values(value: Any, x: Array, shape: tuple[int, ...], path: str) -> A
     out = np.array(np.broadcast_to(array, (n, *shape)))
     bad = np.flatnonzero(~np.isfinite(out).reshape(n, -1).all(axis=1))
     if len(bad):
-        raise ParameterError(f"{path} must be finite, got {out[bad[0]].tolist()} at x = {tuple(x[bad[0]].tolist())} ({len(bad)} such particles)")
+        raise ParameterError(
+            f"{path} must be finite, got {out[bad[0]].tolist()} at x = {tuple(x[bad[0]].tolist())} ({len(bad)} such particles)"
+        )
     return out
 
 

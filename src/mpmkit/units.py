@@ -26,7 +26,7 @@ def _registry() -> Any:
 @cache
 def _unit_names() -> list[str]:
     names = ["Pa", "kPa", "MPa", "GPa", "m", "mm", "cm", "km", "um", "s", "ms", "us", "min", "kg", "g", "N", "kN", "J", "W", "K", "degC"]
-    return names + ["m/s", "mm/s", "km/s", "kg/m^3", "g/cm^3", "m/s^2", "deg", "rad", "Hz", "psi", "bar", "Pa*s", "N/m", "inch", "ft"]
+    return [*names, "m/s", "mm/s", "km/s", "kg/m^3", "g/cm^3", "m/s^2", "deg", "rad", "Hz", "psi", "bar", "Pa*s", "N/m", "inch", "ft"]
 
 
 def is_quantity(text: str) -> bool:
@@ -48,7 +48,7 @@ def to_si(text: str, unit: str, path: str) -> float:
     ureg = _registry()
     try:
         quantity = ureg.Quantity(text)
-    except Exception as error:
+    except Exception as error:  # noqa: BLE001  (pint raises many kinds)
         name = getattr(error, "unit_names", text.split()[-1] if text.split() else text)
         name = name if isinstance(name, str) else ", ".join(map(str, name))
         wanted = ureg.Unit("" if unit == "1" else unit).dimensionality
@@ -58,5 +58,5 @@ def to_si(text: str, unit: str, path: str) -> float:
         raise ParameterError(f"{path}: cannot read {text!r} as a quantity in {unit}: unknown unit {name!r}{hint}") from None
     try:
         return float(quantity.to(ureg.Unit("" if unit == "1" else unit)).magnitude)
-    except Exception:
+    except Exception:  # noqa: BLE001  (pint raises many kinds)
         raise ParameterError(f"{path}: {text!r} is not a quantity in {unit} (its dimension is {quantity.dimensionality})") from None

@@ -98,7 +98,7 @@ def _of_function(function: Callable[..., Any], dim: int, path: str) -> Callable[
     call = f"function({', '.join(arguments)})"
     text = f"def {name}_as_vector({', '.join(arguments)}):\n    given = {call}\n    return ({', '.join(_padded(picked, '0.0'))})\n"
     space: dict[str, Any] = {"__builtins__": {}, "__name__": "mpmkit.values", "function": plain}
-    exec(compile(text, f"<{name}_as_vector>", "exec"), space)  # noqa: S102  only argument names that were checked enter the text
+    exec(compile(text, f"<{name}_as_vector>", "exec"), space)
     wrapper: Callable[..., Any] = space[f"{name}_as_vector"]
     wrapper.source = text  # type: ignore[attr-defined]
     wrapper.given = plain  # type: ignore[attr-defined]
@@ -131,14 +131,21 @@ def _probe(function: Callable[..., Any], arguments: tuple[str, ...], dim: int, p
             problem = problem or error
             continue
         except Exception as error:
-            raise ParameterError(f"{path}: the function {function.__name__}({', '.join(arguments)}) fails: {type(error).__name__}: {error}") from error
+            raise ParameterError(
+                f"{path}: the function {function.__name__}({', '.join(arguments)}) fails: {type(error).__name__}: {error}"
+            ) from error
         parts = result if isinstance(result, tuple) else (result,)
         if not all(isinstance(p, (int, float)) and not isinstance(p, bool) for p in parts):
             raise ParameterError(f"{path}: the function {function.__name__} must return a float or a tuple of floats, got {_shown(result)}")
         if len(parts) != dim and not (len(parts) == 3 and isinstance(result, tuple)):
-            raise ParameterError(f"{path}: the function {function.__name__} must return {dim} component{'s' if dim > 1 else ''} in {dim}D, got {_shown(result)}")
+            raise ParameterError(
+                f"{path}: the function {function.__name__} must return {dim} component{'s' if dim > 1 else ''} in {dim}D, "
+                f"got {_shown(result)}"
+            )
         return result
-    raise ParameterError(f"{path}: the function {function.__name__} has no value at any of the points tried, first error: {problem}") from problem
+    raise ParameterError(
+        f"{path}: the function {function.__name__} has no value at any of the points tried, first error: {problem}"
+    ) from problem
 
 
 def _padded(parts: list[Any], zero: Any) -> tuple[Any, Any, Any]:

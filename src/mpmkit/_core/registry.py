@@ -79,7 +79,7 @@ class Registry:
                 self.entries.append(Entry(component, point.name, distribution, version))
         except KeyboardInterrupt:
             raise
-        except BaseException as error:  # a plugin may raise anything, SystemExit included; the rest must load
+        except BaseException as error:  # noqa: BLE001  (a plugin may raise anything, SystemExit included; the rest must load)
             reason = f"{type(error).__name__}: {error}"
             self.broken.append(Broken(point.name, distribution, version, reason, error))
 

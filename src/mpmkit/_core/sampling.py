@@ -69,7 +69,8 @@ def lattice_points(geometry: Geometry, grid: Grid, side: int, lattice: str, labe
         x = np.zeros((0, grid.dim))
     if not len(x):
         raise CompositionError(
-            f"{label}: no particle lies inside {geometry}, which reaches from {_text(lower)} to {_text(upper)} m; the lattice has a spacing of "
+            f"{label}: no particle lies inside {geometry}, which reaches from {_text(lower)} to {_text(upper)} m; the "
+            "lattice has a spacing of "
             f"{_text(step)} m: refine the grid, raise particles_per_cell, or set lattice='body'"
         )
     _check_inside_domain(x, grid, label)
@@ -83,7 +84,8 @@ def _finite_bounds(geometry: Geometry, grid: Grid, label: str) -> tuple[Array, A
     slack = _SLACK * np.asarray(grid.spacing)
     if geometry.tight_bounds and ((lower < grid.lower - slack) | (upper > grid.upper + slack)).any():
         raise CompositionError(
-            f"{label} reaches from {_text(lower)} to {_text(upper)} m, outside the domain from {_text(grid.lower)} to {_text(grid.upper)} m; "
+            f"{label} reaches from {_text(lower)} to {_text(upper)} m, outside the domain from {_text(grid.lower)} to "
+            f"{_text(grid.upper)} m; "
             "move it, enlarge the grid, or cut it with a Box"
         )
     return lower, upper

@@ -84,7 +84,7 @@ def main(args: Sequence[str] | None = None) -> None:
     except click.Abort:
         click.echo("mpmkit: interrupted", err=True)
         sys.exit(130)
-    except BaseException as error:
+    except BaseException as error:  # noqa: BLE001
         sys.exit(_failure(error, Command.traceback_wanted))
     sys.exit(status if isinstance(status, int) else 0)
 

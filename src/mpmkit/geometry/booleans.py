@@ -116,7 +116,9 @@ class Difference(_Combination):
     The surface of what is cut away belongs to the result.
     """
 
-    shapes: tuple[Geometry, ...] = parameter("a shape, then those to cut away", example=(Box((0.0, 0.0), (1.0, 1.0)), Box((0.4, 0.4), (0.6, 0.6))))
+    shapes: tuple[Geometry, ...] = parameter(
+        "a shape, then those to cut away", example=(Box((0.0, 0.0), (1.0, 1.0)), Box((0.4, 0.4), (0.6, 0.6)))
+    )
 
     def __init__(self, *parts: Any, shapes: Any = None) -> None:
         self.__attrs_init__(_parts(parts, shapes))  # type: ignore[attr-defined]

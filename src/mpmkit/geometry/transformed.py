@@ -24,8 +24,12 @@ class Transformed(Geometry):
     rotate: float = parameter("angle of rotation", unit="deg", default=0.0, example=30.0)
     axis: Vector | None = parameter("direction of the axis of rotation, in 3D only", default=None)
     translate: Vector | None = parameter("displacement, after scaling and rotation", unit="m", default=None)
-    scale: Vector = parameter("factor of length: one number, or one for each axis before rotation", gt=0.0, lt=math.inf, default=(1.0,), example=1.0)
-    about: Vector | None = parameter("the point that scaling and rotation leave where it is; the origin if not given", unit="m", default=None)
+    scale: Vector = parameter(
+        "factor of length: one number, or one for each axis before rotation", gt=0.0, lt=math.inf, default=(1.0,), example=1.0
+    )
+    about: Vector | None = parameter(
+        "the point that scaling and rotation leave where it is; the origin if not given", unit="m", default=None
+    )
 
     def check(self) -> None:
         dim = self.shape.dim

@@ -174,7 +174,7 @@ class Reader:
             return cls(**values)
         except MpmkitError as error:
             return self.mistakes.add(str(error))
-        except Exception as error:  # a third party's own check may raise anything
+        except Exception as error:  # noqa: BLE001  (a third party's own check may raise anything)
             return self.mistakes.add(f"{cls.__name__} refuses these values: {type(error).__name__}: {error}")
 
     def _field(self, value: Any, hint: Any, spec: Spec) -> Any:

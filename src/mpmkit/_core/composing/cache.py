@@ -41,7 +41,8 @@ def versions() -> str:
     cpu = numba.core.codegen.get_host_cpu_features()  # type: ignore[no-untyped-call]
     host = llvmlite.binding.get_host_cpu_name()
     python = ".".join(map(str, sys.version_info[:3]))
-    return f"mpmkit {mpmkit.__version__} python {python} {host} {cpu} numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {np.__version__}"
+    packages = f"numba {numba.__version__} llvmlite {llvmlite.__version__} numpy {np.__version__}"
+    return f"mpmkit {mpmkit.__version__} python {python} {packages} {host} {cpu}"
 
 
 def load(digest: str, text: str, names: dict[str, Any]) -> ModuleType:

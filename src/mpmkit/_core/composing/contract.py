@@ -166,7 +166,8 @@ def check_state(c: Composition, points: list[Any]) -> None:
         law = type(group.material).__name__
         if one.stress is not None and "stress" not in group.hooks["stress"].arguments:
             raise CompositionError(
-                f"{who}: the initial stress would be lost, since {law} computes the stress from F alone; give the initial F, or use a law in rate form"
+                f"{who}: the initial stress would be lost, since {law} computes the stress from F alone; give the initial F, or "
+                "use a law in rate form"
             )
         held: Any = (("F", one.F, TENSOR, np.eye(3).ravel(), 9), ("stress", one.stress, SYMMETRIC, np.zeros(6), 6))
         for name, value, stored, default, size in held:
@@ -177,8 +178,10 @@ def check_state(c: Composition, points: list[Any]) -> None:
             if (rows != default[lost]).any():
                 what = "uniaxial stress" if group.layout.space == "bar" else c.grid.space
                 raise CompositionError(
-                    f"{who}: the initial {name} has components that do not exist in {what}: component {lost[np.argmax((rows != default[lost]).any(axis=0))]} "
-                    f"(counted from 0) must be {default[lost][np.argmax((rows != default[lost]).any(axis=0))]:g}; leave it out, or use a grid in which it exists"
+                    f"{who}: the initial {name} has components that do not exist in {what}: component "
+                    f"{lost[np.argmax((rows != default[lost]).any(axis=0))]} "
+                    f"(counted from 0) must be {default[lost][np.argmax((rows != default[lost]).any(axis=0))]:g}; leave it out, or "
+                    "use a grid in which it exists"
                 )
 
 

@@ -130,7 +130,7 @@ class GridOperator:
         lines += [
             "@compiled",
             "def moment(w, d, f, h):",
-            '    """w_i (x_i - x_p) / D with D = sum_i w_i (x_i - x_p)^2; where D vanishes (on an interpolating node), its limit, the slope."""',
+            '    """w_i (x_i - x_p) / D with D = sum_i w_i (x_i - x_p)^2; where D vanishes (on a node), its limit, the slope."""',
             f"    D = {second}",
             "    if D > T(1e-6):",
             f"        return ({moments},)",

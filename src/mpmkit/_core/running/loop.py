@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 
 SNAPSHOT_SECONDS = 0.5  # wall time between copies of the state in memory, the last good state of a failing run
 CREATED_WARN, CREATED_STOP = 0.05, 1.0  # energy out of nothing, relative to the largest energy of the run
-STAGGERED = 100  # steps without that warning: velocities lag by half a step, so after n steps under a sudden load 1/(2n) of the energy is missing or over
+# Steps without that warning: velocities lag by half a step, so after n steps under a sudden load 1/(2n) of the energy is missing or over.
+STAGGERED = 100
 COLLAPSE = 1e-6  # smallest time step relative to the first
 
 
