@@ -12,8 +12,9 @@ from typing import Any
 import click
 
 from mpmkit._core.registry import registry
-from mpmkit.cli.app import cli
+from mpmkit.cli.app import group
 from mpmkit.description import describe
+from mpmkit.fields import PARTICLE_FIELDS
 from mpmkit.interfaces import KINDS
 from mpmkit.scene.parts import scene_objects
 
@@ -34,7 +35,7 @@ def main(folder: Path) -> None:
     """Write all pages below `folder`; files that are up to date are left alone, so that Sphinx rebuilds only what changed."""
     pages = {f"components/{name}.md": page(describe(cls)) for name, cls in classes().items()}
     pages["components/index.md"] = index()
-    pages["command-line.md"] = command_line()
+    pages |= {"command-line.md": command_line(), "fields-table.md": fields()}
     (folder / "components").mkdir(parents=True, exist_ok=True)
     for old in (folder / "components").glob("*.md"):
         if f"components/{old.name}" not in pages:
@@ -141,13 +142,19 @@ def listing(names: list[str]) -> str:
     return rows + "\n\n```{toctree}\n:hidden:\n\n" + "\n".join(names) + "\n```\n"
 
 
+def fields() -> str:
+    """The table of standard particle fields, included in fields.md."""
+    rows = [(f"`{f.name}`", f.shape, f.unit, f.doc) for f in PARTICLE_FIELDS.values()]
+    return table(("field", "shape", "unit", "meaning"), rows)
+
+
 def command_line() -> str:
     """The help texts of all commands."""
     out = ["# Command line\n", "<!-- written by docs/generate.py from the commands themselves -->\n"]
-    with click.Context(cli, info_name="mpmkit") as context:
-        out += ["```text\n" + cli.get_help(context) + "\n```\n"]
-        for name in cli.list_commands(context):
-            command = cli.get_command(context, name)
+    with click.Context(group, info_name="mpmkit") as context:
+        out += ["```text\n" + group.get_help(context) + "\n```\n"]
+        for name in group.list_commands(context):
+            command = group.get_command(context, name)
             with click.Context(command, info_name=name, parent=context) as inner:
                 out += [f"## mpmkit {name}\n", "```text\n" + command.get_help(inner) + "\n```\n"]
     return "\n".join(out)

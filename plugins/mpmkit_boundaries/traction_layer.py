@@ -17,9 +17,9 @@ class TractionLayer(mpm.BoundaryLayer):
     """Traction carried by the particles of a boundary layer of thickness h, f_i = sum_p (V_p / h) t N_i (SAND2002-0482 eq 1-16).
 
     The particles of the layer are chosen at the start and carry the traction as they move (a force per initial
-    area). The force acts at the particles' centres, half a particle or more below the surface: with one particle per
-    cell and linear functions the stress at the loaded end then is about 3/4 of the traction, which thinner layers
-    and smaller particles reduce and `TwoPointTraction` cures.
+    area). The force acts at the particles' centres, below the surface, so the stress in the loaded cell is less than
+    the traction: with linear functions at rest it is 1 - thickness / 2 (in cells) of it, so 1/2 for the default of one
+    cell and 3/4 for half a cell (two particles per cell). Thinner layers reduce the error and `TwoPointTraction` cures it.
 
     ``traction`` is a vector, texts of formulas, or a scalar Python function of any of ``x``, ``X``, ``t``.
     """

@@ -29,6 +29,13 @@ def block(v, normal):
 
 
 @mpm.kernel
+def hold_normal(v, normal):
+    """No normal velocity: v - (v . n) n."""
+    v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
+    return (v[0] - v_n * normal[0], v[1] - v_n * normal[1], v[2] - v_n * normal[2])
+
+
+@mpm.kernel
 def coulomb(v, normal, dv_n, friction):
     """Coulomb friction: the tangential velocity loses at most friction times the normal velocity taken by the wall."""
     v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
@@ -50,6 +57,9 @@ class Wall(mpm.BoundaryLayer):
     - "no slip": v = 0 always; the wall clamps what touches it and holds it in tension.
     - "slip": the normal velocity into the wall vanishes, tangential motion is free.
     - "friction": as slip, and Coulomb friction opposes sliding by at most ``friction`` times the normal impulse.
+
+    Whether a node is held is decided once in a step, by the velocity that the forces alone would give it; so the wall
+    does no work, and a body bounces off it as off its mirror image.
 
     The wall acts on the nodes of its face, so a body feels it from a distance of up to one cell (linear functions)
     as soon as it moves towards it. For a wall that holds the normal direction in tension too use `Symmetry`.
@@ -84,6 +94,10 @@ class Wall(mpm.BoundaryLayer):
     @property
     def constrain(self):
         return {"stick": stick, "no slip": clamp}.get(self.mode, block)
+
+    @property
+    def hold(self):
+        return None if self.bilateral else clamp if self.mode == "stick" else hold_normal
 
     @property
     def rub(self):

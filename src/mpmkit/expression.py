@@ -138,7 +138,8 @@ def make_function(code: str, arguments: tuple[str, ...]) -> Callable[..., Any]:
     """A scalar Python function that returns `code`, which must come from `Expression.code` or be put together from such parts."""
     text = _source(code, arguments, None)
     name = text[len("def ") : text.index("(")]
-    space: dict[str, Any] = {"__builtins__": {}, "__name__": "mpmkit.formulas", "min": min, "max": max, "abs": abs, "pi": math.pi}
+    # compiled code that is cached names the module of its functions, and loading it again imports that module: a real one
+    space: dict[str, Any] = {"__builtins__": {}, "__name__": __name__, "min": min, "max": max, "abs": abs, "pi": math.pi}
     space |= {n: getattr(math, n) for n in ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "pow")}
     exec(compile(text, f"<{name}>", "exec"), space)
     function: Callable[..., Any] = space[name]

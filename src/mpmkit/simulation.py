@@ -78,6 +78,7 @@ class Simulation:
             if missing:
                 example = {"shape": "shape=QuadraticBSpline()", "integrator": "integrator=MUSL()"}
                 raise CompositionError(f"MPM needs {' and '.join(missing)}, for example {', '.join(example[m] for m in missing)}")
+        self._until_given = self.until is not None
         self.bodies: list[Body] = []
         self.boundaries: list[BoundaryLayer] = []
         self.contacts: list[ContactAlgorithm] = []
@@ -168,6 +169,8 @@ class Simulation:
         end = convert(until, float | None, Spec("end of the run", "s", gt=0.0), "run(until)") if until is not None else self.until
         if end is None:
             raise ParameterError("run(until) is required: the simulated time [s] to run to, for example sim.run(until=1.0)")
+        if not self._until_given:
+            self.until = end  # a scene saved from here on says how far it ran
         run = self.compose()
         run.to(end, quiet=quiet)
         return self._results(run)

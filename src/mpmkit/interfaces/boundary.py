@@ -31,6 +31,10 @@ class BoundaryLayer(Component):
         Node hook. Returns the admissible velocity (x, y, z) for a nodal velocity ``v``; applying it twice changes
         nothing more. May ask for ``v``, ``normal`` (unit vector out of the domain, for a layer on faces), ``x`` (of
         the node), ``t``, ``value`` (if it has a parameter of type `Value`) and parameters.
+    hold : Kernel
+        Node hook of a layer that lets nodes go (a wall). ``constrain`` then decides by the velocity that the forces alone
+        would give whether the layer acts; where it does, ``hold`` is the condition on all velocities of the node,
+        whatever their sign, so that a wall at rest does no work.
     rub : Kernel
         Node hook, called after ``constrain`` in the momentum update. Returns the velocity after friction; may
         moreover ask for ``dv_n``, the normal velocity that ``constrain`` has just taken away (>= 0).
@@ -45,6 +49,7 @@ class BoundaryLayer(Component):
 
     kind: ClassVar[str] = "boundary"
     constrain: ClassVar[Kernel | None] = None
+    hold: ClassVar[Kernel | None] = None
     rub: ClassVar[Kernel | None] = None
     load: ClassVar[Kernel | None] = None
 

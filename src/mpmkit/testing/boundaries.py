@@ -43,7 +43,9 @@ def supplies_a_hook(layer: BoundaryLayer, rng: Any) -> None:
     """Either node hooks or the particle hook."""
     name = type(layer).__name__
     expect((layer.constrain is None) != (layer.load is None), f"{name} must supply either constrain (nodes) or load (particles)")
-    expect(layer.rub is None or layer.constrain is not None, f"{name} has friction (rub) without constrain")
+    for hook in ("hold", "rub"):
+        expect(getattr(layer, hook) is None or layer.constrain is not None, f"{name} supplies {hook} without constrain")
+    expect(layer.bilateral or layer.hold is not None, f"{name} lets nodes go (bilateral is False) and must supply hold")
 
 
 @check("boundary", "applying twice is applying once", when=constrains)

@@ -174,14 +174,13 @@ def check_state(c: Composition, points: list[Any]) -> None:
             if value is None:
                 continue
             lost = np.setdiff1d(np.arange(size), stored[group.layout.space])
-            rows = np.asarray(value).reshape(-1, size)[:, lost]
-            if (rows != default[lost]).any():
-                what = "uniaxial stress" if group.layout.space == "bar" else c.grid.space
+            wrong = (np.asarray(value).reshape(-1, size)[:, lost] != default[lost]).any(axis=0)
+            if wrong.any():
+                first = lost[np.argmax(wrong)]
+                space = "uniaxial stress" if group.layout.space == "bar" else c.grid.space
                 raise CompositionError(
-                    f"{who}: the initial {name} has components that do not exist in {what}: component "
-                    f"{lost[np.argmax((rows != default[lost]).any(axis=0))]} "
-                    f"(counted from 0) must be {default[lost][np.argmax((rows != default[lost]).any(axis=0))]:g}; leave it out, or "
-                    "use a grid in which it exists"
+                    f"{who}: the initial {name} has a component that does not exist in {space}; component {first} (counted from 0) must be "
+                    f"{default[first]:g} there. Leave it out, or use a grid in which it exists"
                 )
 
 

@@ -34,17 +34,27 @@ def _function(h: Any, f: Any, seen: set[int]) -> None:
     h.update(f"{f.__module__}.{f.__qualname__}{f.__defaults__!r}".encode())
     _code(h, f.__code__)
     scope = dict(zip(f.__code__.co_freevars, (c.cell_contents for c in f.__closure__ or ()), strict=True))
-    for name in sorted(names_of(f.__code__) | set(scope)):
-        value = plain(scope.get(name, f.__globals__.get(name)))
-        if isinstance(value, types.FunctionType):
-            h.update(name.encode())
-            _function(h, value, seen)
-        elif isinstance(value, (int, float, str, tuple, bool, np.generic)):
-            h.update(f"{name}={type(value).__name__}:{value!r}".encode())
-        elif isinstance(value, np.ndarray):
-            h.update(name.encode() + value.tobytes())
-        elif isinstance(value, types.ModuleType):
-            h.update(f"{name}=module {value.__name__} {getattr(value, '__version__', '')}".encode())
+    names = sorted(names_of(f.__code__) | set(scope))
+    for name in names:
+        _value(h, name, scope.get(name, f.__globals__.get(name)), names, seen)
+
+
+def _value(h: Any, name: str, value: Any, names: list[str], seen: set[int]) -> None:
+    """What a name of a function stands for; of a module those of its attributes that have one of the function's `names`."""
+    value = plain(value)
+    if isinstance(value, types.FunctionType):
+        h.update(name.encode())
+        _function(h, value, seen)
+    elif isinstance(value, (int, float, str, tuple, bool, np.generic)):
+        h.update(f"{name}={type(value).__name__}:{value!r}".encode())
+    elif isinstance(value, np.ndarray):
+        h.update(name.encode() + value.tobytes())
+    elif isinstance(value, types.ModuleType):
+        h.update(f"{name}=module {value.__name__} {getattr(value, '__version__', '')}".encode())
+        if value.__name__.split(".")[0] not in ("numpy", "math"):
+            for attribute in names:
+                if attribute in vars(value):
+                    _value(h, f"{name}.{attribute}", vars(value)[attribute], [n for n in names if n != attribute], seen)
 
 
 def _code(h: Any, code: types.CodeType) -> None:

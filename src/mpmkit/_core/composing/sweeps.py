@@ -168,7 +168,7 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
     lines = ["i = nodes[j]", f"k = i * {layout.size}", f"m = {node(layout, 'm')}", f"if m > {small}:"]
     special = {"normal": "(normals[j, 0], normals[j, 1], normals[j, 2])"}
     inner = []
-    hooks = [layer.constrain, *([layer.rub] if layer.rub is not None else [])]
+    hooks = [kernel for kernel in (layer.constrain, layer.hold, layer.rub) if kernel is not None]
     if any("x" in _needs(layer, k, dim) for k in hooks):
         inner.append(f"x = {sweep.position('i')}")
         special["x"] = "x"
@@ -177,6 +177,10 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         assert layer.constrain is not None
         return sweep.call("constrain", layer.constrain, role, None, special | {"v": source})
 
+    def held(source: str) -> str:
+        assert layer.hold is not None
+        return sweep.call("hold", layer.hold, role, None, special | {"v": source})
+
     if channel == "v":
         inner += [f"raw = {vector(layout, 'v_old', dim)}"]
         if on_old:
@@ -184,6 +188,9 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         else:
             inner += ["old = raw"]
         inner += [f"trial = {vector(layout, 'v', dim)}", f"new = {constrained('trial')}"]
+        if layer.hold is not None:
+            # Decided once, by the trial velocity: a wall that stops a node after letting it go before would do work on it.
+            inner += ["old = raw", "if new != trial:", f"    old, new = {held('raw')}, {held('trial')}", *assign(layout, "v_old", dim, "old")]
         # Reaction: what the particles gain beyond the forces. FLIP takes up v - v_old, PIC all of v, so the part of the
         # momentum that the condition on v_old removed counts for the share of PIC only.
         share = sweep.parameter("flip_share", lambda roles: flip_share(roles.get("transfer")))
@@ -200,6 +207,8 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         inner += assign(layout, "v", dim, "new")
     else:
         inner.append(f"new = {constrained(vector(layout, channel, dim))}")
+        if layer.hold is not None:
+            inner += [f"now = {vector(layout, 'v', dim)}", f"if {held('now')} == now:", f"    new = {held(vector(layout, channel, dim))}"]
         if channel == "v_smooth":
             inner += [f"impulse{a} += m * (new[{a}] - {node(layout, channel, a)})" for a in range(dim)]
         inner += assign(layout, channel, dim, "new")

@@ -170,7 +170,7 @@ class Run:
             while engine.t < until:
                 self.limit = timestep.next_step(engine)
                 target = min([until, *(r.next_time(engine.t) for r in self.recorders)])
-                dt = timestep.land(engine.t, self.limit.dt, target)
+                dt, arrived = timestep.land(engine.t, self.limit.dt, target)
                 self.first_dt = self.first_dt or self.limit.dt
                 if not self.limit.dt > COLLAPSE * self.first_dt:
                     raise StabilityError(
@@ -181,7 +181,6 @@ class Run:
                 engine.outs[:, 0:2] = 0.0
                 engine.step(dt)
                 guards.check(engine)
-                arrived = engine.t >= target * (1.0 - 1e-14) or dt == target - (engine.t - dt)
                 if arrived:
                     engine.t = target  # frames lie on their times exactly
                 due = [r for r in self.recorders if arrived and r.due(engine.t, until)]

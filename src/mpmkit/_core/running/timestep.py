@@ -65,9 +65,12 @@ def next_step(engine: Engine) -> Limit:
     return Limit(fixed, f"fixed dt = {fixed:.6g} s; stable up to {limit.dt:.6g} s: {limit.rule}")
 
 
-def land(t: float, dt: float, target: float) -> float:
-    """Shorten `dt` so that steps land on `target` without a tiny last one; times are sums of many steps, hence the slack."""
+def land(t: float, dt: float, target: float) -> tuple[float, bool]:
+    """Shorten `dt` so that steps land on `target` without a tiny last one; whether this step does.
+
+    A step may be longer than `dt` by one part in 1e9, lest rounding of t cuts one in two.
+    """
     left = target - t
     if dt >= left * (1.0 - 1e-9):
-        return left
-    return 0.5 * left if 2.0 * dt > left else dt
+        return left, True
+    return (0.5 * left if 2.0 * dt > left else dt), False

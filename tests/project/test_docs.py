@@ -1,0 +1,106 @@
+"""The docs: a page for everything that is registered, code that runs, tables that are complete."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+
+import pytest
+from blocks import blocks
+from conftest import ROOT
+
+from mpmkit._core.registry import registry
+from mpmkit.parameters import specs
+
+WITH_CODE = sorted(p for folder in ("tutorials", "howto", "explanation") for p in (ROOT / "docs" / folder).glob("*.md"))
+
+
+def script(path):
+    """A script of the docs as a module."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_component_gets_a_page(root, tmp_path):
+    generate = script(root / "docs/generate.py")
+    generate.main(tmp_path)
+    index = (tmp_path / "components/index.md").read_text()
+    for entry in registry().entries:
+        page = (tmp_path / f"components/{entry.name}.md").read_text()
+        assert f"({entry.name}.md)" in index
+        assert page.startswith(f"# {entry.name}\n")
+        assert f"*{entry.kind}, from {entry.distribution} {entry.version}*" in page
+        for name in specs(entry.component):
+            assert f"| `{name}` |" in page, f"{entry.name}.{name}"
+
+
+def test_pages_of_removed_components_go_away(root, tmp_path):
+    generate = script(root / "docs/generate.py")
+    (tmp_path / "components").mkdir()
+    (tmp_path / "components/Gone.md").write_text("# Gone")
+    generate.main(tmp_path)
+    assert not (tmp_path / "components/Gone.md").exists()
+
+
+def test_the_command_line_page_has_all_commands_and_options(root):
+    from mpmkit.cli.app import COMMANDS
+
+    text = script(root / "docs/generate.py").command_line()
+    for name in COMMANDS:
+        assert f"## mpmkit {name}\n" in text
+    assert "--overwrite" in text
+
+
+@pytest.mark.parametrize("path", WITH_CODE, ids=[p.stem for p in WITH_CODE])
+def test_python_in_the_docs_runs(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names: dict = {"__name__": path.stem}
+    for block in blocks(path):
+        if block.language == "python":
+            exec(compile("\n" * block.line + block.text, str(path), "exec"), names)
+
+
+def test_the_statements_of_the_how_to_on_loads_hold(root, tmp_path, monkeypatch):
+    # statics: the outermost node carries the share 1 - thickness / 2 of the force of a layer, all of it in the two-point form;
+    # the tolerance is what the damping has left after 0.2 s
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    for block in blocks(root / "docs/howto/load-a-boundary.md"):
+        exec(block.text, names)
+    assert [names["layer"], names["thin_layer"], names["two_point"]] == pytest.approx([0.5, 0.75, 1.0], abs=0.01)
+
+
+def test_all_columns_of_the_history_are_explained(root):
+    from mpmkit._core.running.ledger import COLUMNS
+
+    text = (root / "docs/reference/fields.md").read_text()
+    assert set(COLUMNS) <= set(re.findall(r"`(\w+)`", text))
+
+
+def test_every_page_is_in_a_table_of_contents(root):
+    docs = root / "docs"
+    listed = set()
+    for path in docs.rglob("*.md"):
+        for block in re.findall(r"```\{toctree\}\n(.*?)```", path.read_text(encoding="utf-8"), flags=re.DOTALL):
+            for line in block.splitlines():
+                if line and not line.startswith(":"):
+                    listed |= set(path.parent.glob(f"{line}.md"))
+    hidden = {docs / "index.md", docs / "reference/fields-table.md"}
+    pages = {p for p in docs.rglob("*.md") if "_build" not in p.parts} - hidden
+    assert pages - listed == set()
+
+
+def test_links_within_the_docs_exist(root):
+    generated = {"components", "command-line.md"}
+    for path in (root / "docs").rglob("*.md"):
+        for target in re.findall(r"\]\(([^)#\s]+)", path.read_text(encoding="utf-8")):
+            if "://" not in target and not generated & set(target.split("/")) and "components" not in path.parts:
+                assert (path.parent / target).exists(), f"{path.relative_to(root)}: {target}"
+
+
+def test_the_picture_of_one_step_is_drawn_by_its_script(root, tmp_path):
+    script(root / "docs/figures/one_step.py").main(tmp_path / "one-step.svg")
+    assert (tmp_path / "one-step.svg").stat().st_size > 50_000
+    assert (root / "docs/images/one-step.svg").exists()
