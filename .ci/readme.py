@@ -14,6 +14,7 @@ def commands(text: str) -> list[str]:
 
 
 def main(path: str, word: str) -> int:
+    """Print the one command with `word`; 1 if there is not exactly one."""
     found = [c for c in commands(Path(path).read_text(encoding="utf-8")) if word in c]
     if len(found) != 1:
         print(f"{path}: one command with {word!r} is expected, found {len(found)}", file=sys.stderr)

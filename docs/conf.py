@@ -1,4 +1,4 @@
-"""Sphinx configuration; the reference pages are written first, from the registry."""
+"""Sphinx configuration; pages that can be known from the code are written first."""
 
 import sys
 from pathlib import Path
@@ -10,7 +10,7 @@ import generate  # noqa: E402
 
 import mpmkit  # noqa: E402
 
-generate.main(HERE / "reference")
+generate.main(HERE)
 
 project = "mpmkit"
 author = "The mpmkit developers"

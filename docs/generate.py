@@ -1,10 +1,12 @@
-"""Writes the reference pages that can be known from the code: one per registered component, and the command line.
+"""Writes the pages that can be known from the code: one per registered component, the command line, one per example.
 
-The facts come from `mpmkit.description.describe`, as for ``mpmkit describe``; an installed plugin of a third party gets its pages too.
+Facts about components come from `mpmkit.description.describe`, as for ``mpmkit describe``; an installed plugin of a third party gets its
+pages too. A page of the gallery is the docstring, the picture and the text of a script in ``examples``.
 """
 
 from __future__ import annotations
 
+import ast
 import re
 from pathlib import Path
 from typing import Any
@@ -31,19 +33,50 @@ TITLES = {
 }
 
 
-def main(folder: Path) -> None:
-    """Write all pages below `folder`; files that are up to date are left alone, so that Sphinx rebuilds only what changed."""
-    pages = {f"components/{name}.md": page(describe(cls)) for name, cls in classes().items()}
-    pages["components/index.md"] = index()
-    pages |= {"command-line.md": command_line(), "fields-table.md": fields()}
-    (folder / "components").mkdir(parents=True, exist_ok=True)
-    for old in (folder / "components").glob("*.md"):
-        if f"components/{old.name}" not in pages:
-            old.unlink()
+def main(docs: Path, examples: Path | None = None) -> None:
+    """Write all pages below `docs`; files that are up to date are left alone, so that Sphinx rebuilds only what changed.
+
+    Parameters
+    ----------
+    docs : Path
+        Folder of the docs.
+    examples : Path, optional
+        Folder of the examples; ``examples`` beside `docs` if not given.
+    """
+    pages = {f"reference/components/{name}.md": page(describe(cls)) for name, cls in classes().items()}
+    pages["reference/components/index.md"] = index()
+    pages |= {"reference/command-line.md": command_line(), "reference/fields-table.md": fields()}
+    pages |= {f"gallery/examples/{path.stem}.md": picture(path) for path in shows(examples or docs.parent / "examples")}
+    for folder in ("reference/components", "gallery/examples"):
+        (docs / folder).mkdir(parents=True, exist_ok=True)
+        for old in (docs / folder).glob("*.md"):
+            if f"{folder}/{old.name}" not in pages:
+                old.unlink()
     for name, text in pages.items():
-        path = folder / name
+        path = docs / name
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
+
+
+def shows(examples: Path) -> list[Path]:
+    """The scripts that show something: those with a function ``main`` that draws a picture."""
+    return [p for p in sorted(examples.glob("*.py")) if drawn(p)]
+
+
+def drawn(path: Path) -> str:
+    """Name of the picture in docs/images that a script draws; "" if it draws none."""
+    found = re.search(r"docs/images/(\w+\.png)", ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "")
+    return found[1] if found else ""
+
+
+def picture(path: Path) -> str:
+    """The gallery's page of one example."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    summary, _, rest = text.partition("\n\n")
+    title = path.stem.replace("_", " ").capitalize()
+    code = f"```{{literalinclude}} ../../../examples/{path.name}\n:language: python\n```\n"
+    image = f"![{title}](../../images/{drawn(path)})\n"
+    return "\n".join([f"# {title}\n", GENERATED, f"**{summary}**\n", image, rest + "\n", "## The script\n", code])
 
 
 def classes() -> dict[str, type]:
@@ -82,10 +115,10 @@ def parameters(rows: list[dict[str, Any]]) -> str:
     """The table of parameters."""
     if not rows:
         return "none\n"
-    cells = [
-        (f"`{p['name']}`", p["type"], p["unit"], p["bounds"], "required" if p["required"] else words(p["default"]), words(p["example"]), p["doc"])
-        for p in rows
-    ]
+    cells = []
+    for p in rows:
+        default = "required" if p["required"] else words(p["default"])
+        cells.append((f"`{p['name']}`", p["type"], p["unit"], p["bounds"], default, words(p["example"]), p["doc"]))
     return table(("name", "type", "unit", "allowed", "default", "example", "meaning"), cells)
 
 
@@ -127,7 +160,8 @@ def rst(text: str) -> str:
 
 def index() -> str:
     """The page that lists all components by kind."""
-    out = ["# Components\n", GENERATED, "One page for each installed component and each object a scene is made of, as `mpmkit describe NAME` prints it.\n"]
+    what = "One page for each installed component and each object a scene is made of, as `mpmkit describe NAME` prints it.\n"
+    out = ["# Components\n", GENERATED, what]
     for kind in KINDS:
         names = list(registry().of(kind))
         if names:
@@ -161,4 +195,4 @@ def command_line() -> str:
 
 
 if __name__ == "__main__":
-    main(Path(__file__).parent / "reference")
+    main(Path(__file__).parent)

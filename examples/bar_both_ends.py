@@ -65,7 +65,7 @@ def main(quick=False, picture=None):
 
     t = np.arange(1, 101) * 0.04 * TRIP
     runs = {load: follow(100, load, t) for load in BARS}
-    for load, (X, u, v, stress) in runs.items():
+    for load, (_, u, _, stress) in runs.items():
         numbers[f"mean stress at L/C, {load}"] = stress[24, 25:75].mean()
         numbers[f"widest gap between neighbours in cells, {load}"] = 1 + np.diff(u).max() * 100
         numbers[f"middle moves, {load}"] = np.abs(u[:, 49] + u[:, 50]).max()

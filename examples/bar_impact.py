@@ -25,7 +25,14 @@ START, LONG, TRIP = IMPACT.contact_time, IMPACT.duration, L / IMPACT.C
 TIMES = START + TRIP * np.arange(-3.0, 4.0, 0.02)
 FLIGHT, REBOUND = np.linspace(0.0, TIMES[0], 10)[1:-1], np.linspace(TIMES[-1], 1.25 * START, 4)[1:]
 SCENES = {"contact": FrictionalContact(), "single field": None}
-MEASURED = {"begins": START, "duration": LONG, "stress at L/C": IMPACT.contact_stress, "lowest kinetic energy": 0.0, "restitution": 1.0, "momentum": 0.0}
+MEASURED = {
+    "begins": START,
+    "duration": LONG,
+    "stress at L/C": IMPACT.contact_stress,
+    "lowest kinetic energy": 0.0,
+    "restitution": 1.0,
+    "momentum": 0.0,
+}
 EXACT = {f"{what}, {how}, N = {N}": value for N in (50, 100) for how in SCENES for what, value in MEASURED.items()}
 
 
@@ -69,7 +76,9 @@ def measure(momentum, stress, history):
 
 
 def main(quick=False, picture=None):
-    runs = {(how, N): run(N, contact, REBOUND if picture else ()) for N in ((50,) if quick else (50, 100)) for how, contact in SCENES.items()}
+    runs = {
+        (how, N): run(N, contact, REBOUND if picture else ()) for N in ((50,) if quick else (50, 100)) for how, contact in SCENES.items()
+    }
     numbers = {}
     for (how, N), (_, _, momentum, stress, history) in runs.items():
         numbers |= {f"{what}, {how}, N = {N}": value for what, value in measure(momentum, stress, history).items()}
@@ -107,10 +116,20 @@ def draw(runs, path):
     above, below = figure.subfigures(2, 1, height_ratios=(1, 1.25))
     for panel, trips in zip(above.subplots(1, 4, sharey=True), (0.3, 0.8, 1.3, 1.8), strict=True):
         k = np.argmin(np.abs(TIMES - START - trips * TRIP))
-        panel.plot(np.concatenate([fine - L, fine]), [*IMPACT.stress(fine, TIMES[k]), *IMPACT.stress(fine + L + GAP, TIMES[k])], color="#22262b", lw=1)
+        panel.plot(
+            np.concatenate([fine - L, fine]),
+            [*IMPACT.stress(fine, TIMES[k]), *IMPACT.stress(fine + L + GAP, TIMES[k])],
+            color="#22262b",
+            lw=1,
+        )
         panel.plot(X - L - GAP * side, stress[k], lw=1.2)
         panel.axvline(0.0, color="#9aa1a9", lw=0.8, ls=":")
-        panel.set(title=f"{trips} L/C after contact", xlabel="distance from the contact [m]", xticks=(-0.5, 0, 0.5), ylim=(1.45 * IMPACT.contact_stress, -0.4 * IMPACT.contact_stress))
+        panel.set(
+            title=f"{trips} L/C after contact",
+            xlabel="distance from the contact [m]",
+            xticks=(-0.5, 0, 0.5),
+            ylim=(1.45 * IMPACT.contact_stress, -0.4 * IMPACT.contact_stress),
+        )
     above.axes[0].set_ylabel("stress [Pa]")
 
     motion, history = below.subplots(1, 2)
@@ -122,8 +141,8 @@ def draw(runs, path):
     history.plot(t, np.clip(1 - t, -1, 1), color="#22262b", lw=1, label="exact")
     for (how, n), (_, _, momentum, *_) in runs.items():
         history.plot(t, momentum, lw=1.4, ls="-" if how == "contact" else "--", label=f"{how}, {n} particles")
-    history.set(xlabel="time after contact [L/C]", ylabel="momentum of the left bar / start", xlim=(-3, 4))
-    history.legend(loc="lower left")
+    history.set(xlabel="time after contact [L/C]", ylabel="momentum of the left bar / start", xlim=(-3, 6.5))
+    history.legend(loc="upper right")
     plotting.save(figure, path)
 
 

@@ -122,7 +122,15 @@ def draw(runs, motion, path):
             panel.plot(x, BAR.stress(x, TIMES[row]), color="#22262b", lw=1, label="exact")
             for method, width in (("FEM", 2.6), ("MPM", 1.2)):
                 X, stress = runs[method, N]
-                panel.plot(X, stress[row], "o-" if N == 10 else "-", lw=width, ms=3.5, color={"FEM": "#efb98d", "MPM": "#2f6db3"}[method], label=method)
+                panel.plot(
+                    X,
+                    stress[row],
+                    "o-" if N == 10 else "-",
+                    lw=width,
+                    ms=3.5,
+                    color={"FEM": "#efb98d", "MPM": "#2f6db3"}[method],
+                    label=method,
+                )
             panel.set(ylim=(-0.6, 2.9), yticks=(0, 1, 2))
         panel_row[0].set_ylabel(f"stress [Pa]\nt = {TIMES[row] / TRIP:.1f} L/C")
     for N, panel, last in zip(columns, panels[0], panels[-1], strict=True):

@@ -26,14 +26,13 @@ def box(axis, x, y, width, height, title, text="", colour="white"):
     axis.text(x + width / 2, y + height - 0.38, text, ha="center", va="top", fontsize=7.1, color=INK, linespacing=1.35)
 
 
-def arrow(axis, start, end, text="", bend=0.0, colour=INK, shift=(0.0, 0.0), **how):
+def arrow(axis, start, end, text="", colour=INK, shift=(0.0, 0.0)):
     """An arrow with an optional label at its middle."""
-    axis.add_patch(
-        FancyArrowPatch(start, end, arrowstyle="-|>", mutation_scale=9, linewidth=1.0, color=colour, connectionstyle=f"arc3,rad={bend}", **how)
-    )
+    axis.add_patch(FancyArrowPatch(start, end, arrowstyle="-|>", mutation_scale=9, linewidth=1.0, color=colour))
     if text:
         middle = ((start[0] + end[0]) / 2 + shift[0], (start[1] + end[1]) / 2 + shift[1])
-        axis.text(*middle, text, ha="center", va="center", fontsize=7, color=colour, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8})
+        plain = {"facecolor": "white", "edgecolor": "none", "pad": 0.8}
+        axis.text(*middle, text, ha="center", va="center", fontsize=7, color=colour, bbox=plain)
 
 
 def before(axis):
@@ -53,16 +52,23 @@ def before(axis):
 
 def step(axis):
     """The middle: phases of one MUSL step, particles above and nodes below."""
-    axis.add_patch(FancyBboxPatch((0.05, 1.62), 11.42, 3.52, boxstyle="round,pad=0,rounding_size=0.12", facecolor="none", edgecolor=LINE, linestyle=(0, (4, 3))))
-    axis.text(0.15, 5.22, "one step of MUSL: each box is a loop of the generated module; what no component contributes to is not there", fontsize=8, color=SOFT, style="italic")
+    style = "round,pad=0,rounding_size=0.12"
+    axis.add_patch(FancyBboxPatch((0.05, 1.62), 11.42, 3.52, boxstyle=style, facecolor="none", edgecolor=LINE, linestyle=(0, (4, 3))))
+    title = "one step of MUSL: each box is made of loops of the generated module; what no component contributes to is not there"
+    axis.text(0.15, 5.22, title, fontsize=8, color=SOFT, style="italic")
     axis.text(0.3, 4.87, "particles", fontsize=8.2, color="#b4622a", weight="bold")
     axis.text(0.3, 2.5, "nodes", fontsize=8.2, color="#2d7a55", weight="bold")
     up, low, height = 3.72, 2.06, 0.98
-    box(axis, 0.25, up, 2.2, height, "p2g, forces", "shape function: $N_{ip}$, $G_{ip}$\nstress, body forces,\nloads of particle layers", PARTICLES)
-    box(axis, 4.5, up, 2.3, height, "g2p, remap", "transfer: $v_p$ (and $C_p$);\nupdated momenta\nback to the nodes", PARTICLES)
-    box(axis, 8.75, up, 2.55, height, "advect, strain, stress", "$x_p$, $L_p$, $F_p$; constitutive model:\nstress, state, wave speed;\nartificial viscosity", PARTICLES)
-    box(axis, 2.0, low, 2.9, height, "momentum · contact · boundary", "$v_i = (mv)_i / m_i$,  $v_i$ += $\\Delta t\\, f_i / m_i$\nnodal accelerations; impulses;\nwalls, symmetry, given velocities", NODES)
-    box(axis, 6.35, low, 2.8, height, "contact · boundary", "on the velocities of the\nsecond mapping, which only\nthe strain sees", NODES)
+    to_nodes = "shape function: $N_{ip}$, $G_{ip}$\nstress, body forces,\nloads of particle layers"
+    back = "transfer: $v_p$ (and $C_p$);\nupdated momenta\nback to the nodes"
+    law = "$x_p$, $L_p$, $F_p$; constitutive model:\nstress, state, wave speed;\nartificial viscosity"
+    motion = "$v_i = (mv)_i / m_i$,  $v_i$ += $\\Delta t\\, f_i / m_i$\nnodal accelerations; impulses;\nwalls, symmetry, given velocities"
+    again = "on the velocities of the\nsecond mapping, which only\nthe strain sees"
+    box(axis, 0.25, up, 2.2, height, "p2g, forces", to_nodes, PARTICLES)
+    box(axis, 4.5, up, 2.3, height, "g2p, remap", back, PARTICLES)
+    box(axis, 8.75, up, 2.55, height, "advect, strain, stress", law, PARTICLES)
+    box(axis, 2.0, low, 2.9, height, "momentum · contact · boundary", motion, NODES)
+    box(axis, 6.35, low, 2.8, height, "contact · boundary", again, NODES)
     arrow(axis, (1.6, up), (2.55, low + height), "$m_i$, $(mv)_i$, $f_i$")
     arrow(axis, (4.2, low + height), (5.0, up), "$v_i$")
     arrow(axis, (6.1, up), (6.95, low + height), "$(mv)_i$")

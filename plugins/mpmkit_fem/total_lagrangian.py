@@ -31,6 +31,7 @@ class FEM(mpm.Discretization):
         s.carry()  # v_i^(n-1/2), f_i = 0
         s.forces()  # f_i = -sum_p V0 P grad_X N_i
         s.momentum()  # v_i^(n+1/2) = v_i^(n-1/2) + dt f_i / m_i
+        s.contact()  # bodies share no nodes: refused when a scene asks for it
         s.boundary()
         s.g2p()  # velocity of the element's centre, for output
         s.advect()

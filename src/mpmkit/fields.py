@@ -47,6 +47,7 @@ PARTICLE_FIELDS: dict[str, Field] = {
         Field("stress", "Pa", "Cauchy stress, tension positive", "symmetric"),
         Field("q", "Pa", "artificial viscous pressure"),
         Field("size", "m", "half of the initial edge lengths of the particle", "vector"),
+        Field("size_now", "m", "half of the edge lengths of the particle when the step began", "vector"),
         Field("c", "m/s", "wave speed"),
     )
 }

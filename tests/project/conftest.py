@@ -27,9 +27,8 @@ def pyproject():
 def files() -> list[Path]:
     """The project's own text files: what git knows, or in an unpacked copy all but hidden and built folders."""
     try:
-        listed = subprocess.run(
-            ["git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others", "--exclude-standard"], capture_output=True, check=True, timeout=60
-        ).stdout.decode()
+        git = ["git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+        listed = subprocess.run(git, capture_output=True, check=True, timeout=60).stdout.decode()
         paths = [ROOT / name for name in listed.split("\0") if name]
     except (OSError, subprocess.CalledProcessError):
         skipped = {"build", "dist", "_build", "__pycache__"}

@@ -25,10 +25,11 @@ def script(path):
 
 def test_every_component_gets_a_page(root, tmp_path):
     generate = script(root / "docs/generate.py")
-    generate.main(tmp_path)
-    index = (tmp_path / "components/index.md").read_text()
+    generate.main(tmp_path, root / "examples")
+    components = tmp_path / "reference/components"
+    index = (components / "index.md").read_text()
     for entry in registry().entries:
-        page = (tmp_path / f"components/{entry.name}.md").read_text()
+        page = (components / f"{entry.name}.md").read_text()
         assert f"({entry.name}.md)" in index
         assert page.startswith(f"# {entry.name}\n")
         assert f"*{entry.kind}, from {entry.distribution} {entry.version}*" in page
@@ -38,10 +39,20 @@ def test_every_component_gets_a_page(root, tmp_path):
 
 def test_pages_of_removed_components_go_away(root, tmp_path):
     generate = script(root / "docs/generate.py")
-    (tmp_path / "components").mkdir()
-    (tmp_path / "components/Gone.md").write_text("# Gone")
-    generate.main(tmp_path)
-    assert not (tmp_path / "components/Gone.md").exists()
+    gone = tmp_path / "reference/components/Gone.md"
+    gone.parent.mkdir(parents=True)
+    gone.write_text("# Gone")
+    generate.main(tmp_path, root / "examples")
+    assert not gone.exists()
+
+
+def test_every_example_has_its_page_and_picture(root, tmp_path):
+    generate = script(root / "docs/generate.py")
+    generate.main(tmp_path, root / "examples")
+    checked = {p.stem for p in (root / "examples").glob("*.py") if "\ndef check(" in p.read_text(encoding="utf-8")}
+    assert {p.stem for p in (tmp_path / "gallery/examples").glob("*.md")} == checked
+    for path in generate.shows(root / "examples"):
+        assert (root / "docs/images" / generate.drawn(path)).exists(), f"{path.name}: its picture is not there; run it once"
 
 
 def test_the_command_line_page_has_all_commands_and_options(root):
@@ -93,11 +104,15 @@ def test_every_page_is_in_a_table_of_contents(root):
 
 
 def test_links_within_the_docs_exist(root):
-    generated = {"components", "command-line.md"}
-    for path in (root / "docs").rglob("*.md"):
+    generated = {"reference/components", "reference/command-line.md", "gallery/examples"}
+    docs = root / "docs"
+    for path in docs.rglob("*.md"):
         for target in re.findall(r"\]\(([^)#\s]+)", path.read_text(encoding="utf-8")):
-            if "://" not in target and not generated & set(target.split("/")) and "components" not in path.parts:
-                assert (path.parent / target).exists(), f"{path.relative_to(root)}: {target}"
+            if "://" in target:
+                continue
+            place = (path.parent / target).resolve()
+            written = any(place.is_relative_to(docs / g) or path.is_relative_to(docs / g) for g in generated)
+            assert written or place.exists(), f"{path.relative_to(root)}: {target}"
 
 
 def test_the_picture_of_one_step_is_drawn_by_its_script(root, tmp_path):

@@ -24,7 +24,16 @@ def test_no_file_names_a_package_index_or_a_machine_path(root, files):
 
 
 def test_the_house_is_complete(root):
-    for name in ("README.md", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE", "tests/README.md", "docs/index.md"):
+    for name in (
+        "README.md",
+        "ARCHITECTURE.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "CITATION.cff",
+        "LICENSE",
+        "tests/README.md",
+        "docs/index.md",
+    ):
         assert (root / name).stat().st_size > 500, name
     assert (root / ".ci/run").stat().st_mode & stat.S_IXUSR
 

@@ -17,6 +17,7 @@ from mpmkit._core.composing.fingerprint import fingerprint
 from mpmkit.boundaries import PrescribedVelocity, TractionLayer, TwoPointTraction, Wall
 from mpmkit.contacts import FrictionalContact
 from mpmkit.effects import BodyForce, Gravity
+from mpmkit.fields import PARTICLE_FIELDS
 from mpmkit.integrators import APIC, MUSL, PIC, USF, XPIC
 from mpmkit.kernels import Kernel
 from mpmkit.materials import LinearElastic, NeoHookean, NewtonianFluid, VonMises
@@ -49,6 +50,10 @@ def names_in(component):
 @pytest.fixture(autouse=True)
 def plain(plain_python):
     """Only what runs in processes of its own is compiled."""
+
+
+def unit_speed():
+    return 1.0
 
 
 # --- what is absent -----------------------------------------------------------------------------------------------
@@ -103,6 +108,41 @@ def test_only_what_the_dimension_needs_is_stored():
         stored[space] = simulation(g, body).compose().plan.composition.groups[0].layout.size
     # x, v (dim each), m, V0, F, stress
     assert stored == {"1D": 2 + 2 + 1 + 3, "plane strain": 4 + 2 + 4 + 4, "axisymmetric": 4 + 2 + 5 + 4, "3D": 6 + 2 + 9 + 6}
+
+
+def test_state_of_a_law_may_have_any_name():
+    """Also the name of any variable of the generated step: the results are those of a law with names of its own."""
+
+    def run(names):
+        text = f"def stress(F, mu, lam, {', '.join(names)}):\n    s = inner(F, lam, mu)\n    return s, {', '.join(f'{n} + {k}.0 + s[0]' for k, n in enumerate(names))}\n"
+        space = {"inner": RUBBER.stress.function}
+        exec(text, space)
+
+        @mpm.define
+        class Named(mpm.ConstitutiveModel):
+            """A law with much state."""
+
+            rho: float = mpm.parameter("reference density", unit="kg/m^3", gt=0.0, example=1.0)
+            state = tuple(mpm.Field(n) for n in names)
+            stress = mpm.kernel(space["stress"])
+            wave_speed = mpm.kernel(unit_speed)
+            energy = RUBBER.energy
+            dissipation = mpm.kernel(eval(f"lambda {names[0]}: {names[0]}"))
+            lam, mu = RUBBER.lam, RUBBER.mu
+
+        sim = scene(Wall("all", friction=0.1), Gravity((0.0, -1.0)), TractionLayer("bar", (1.0, 0.0), "xmax"), material=Named(rho=1.0), integrator=MUSL(APIC(), dt=1e-3))
+        sim.run(until=4e-3, quiet=True)
+        plan = sim.compose().plan
+        return plan, sim.history, sim.particles("bar")
+
+    plan, history, particles = run(["alpha_1", "alpha_2", "alpha_3"])
+    taken = sorted(set(re.findall(r"^ +(\w+) (?:\+|-)?= ", plan.text, re.MULTILINE)) - set(PARTICLE_FIELDS))
+    assert len(taken) > 40
+    for first in range(0, len(taken) - 2, 3):
+        names = taken[first : first + 3]
+        _, other_history, other = run(names)
+        assert all(np.array_equal(history[n], other_history[n]) for n in history), names
+        assert all(np.array_equal(particles[a], other[b]) for a, b in zip(["x", "v", "alpha_1", "alpha_3"], ["x", "v", names[0], names[2]], strict=True)), names
 
 
 # --- parameter values ---------------------------------------------------------------------------------------------

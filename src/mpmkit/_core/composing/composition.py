@@ -63,6 +63,27 @@ class Composition:
     def reference(self) -> bool:
         return self.discretization is not None and self.discretization.configuration == "reference"
 
+    @property
+    def keeps_size(self) -> bool:
+        """Particles that stretch with F, and a recipe that changes F before the step's last use of the weights.
+
+        A step must see one set of weights: were they formed anew with the changed F, the nodes that received a
+        particle's mass would not be those that give it its velocity, and momentum would be lost.
+        """
+        stretched = self.shape is not None and self.shape.particle_size == "current" and {"strain", "advect"} <= set(self.verbs)
+        return stretched and self.verbs.index("strain") < self.verbs.index("advect")
+
+    @property
+    def loaded(self) -> bool:
+        """Some layer of particles carries loads."""
+        return any(layer.load is not None for layer in self.layers.values())
+
+    @property
+    def limits_velocities(self) -> bool:
+        """Velocities are reduced at nodes with little mass: by the recipe, or for the affine matrix with kinked shape functions."""
+        kinked = self.shape is not None and not self.shape.smooth and self.transfer is not None and self.transfer.affine != "none"
+        return self.fraction > 0.0 or kinked
+
     def roles(self, material: ConstitutiveModel | None = None) -> dict[str, Component]:
         """Components by role; the generated names are made from the roles."""
         out: dict[str, Any] = {"material": material, "shape": self.shape, "transfer": self.transfer, "contact": self.contact}

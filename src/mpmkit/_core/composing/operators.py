@@ -43,8 +43,9 @@ class GridOperator:
             inv_h = loop.along("inv_h", a)
             special = {"f": f"xi{a} - T(i{a})"}
             if shape.particle_size != "none":
-                half = f"{loop.field('size')}[{a}] * {inv_h}"
-                special["half"] = f"{half} * {loop.field('F')}[{4 * a}]" if shape.particle_size == "current" else half
+                kept = c.keeps_size and not loop.first
+                half = f"{loop.field('size_now' if kept else 'size')}[{a}] * {inv_h}"
+                special["half"] = f"{half} * {loop.field('F')}[{4 * a}]" if shape.particle_size == "current" and not kept else half
             arguments = [loop.argument(n, shape, "shape", "weights", special) for n in shape.weights.arguments]
             lines += [
                 f"xi{a} = ({x}[{a}] - {lower}) * {inv_h}",

@@ -22,6 +22,14 @@ def node(layout: NodeLayout, channel: str, a: int = 0) -> str:
     return f"G[k + {offset}]" if offset else "G[k]"
 
 
+def limited(layout: NodeLayout, a: int) -> str:
+    """The nodal velocity, its change reduced to ``share``; the change that accelerations make everywhere is left alone."""
+    old, new = node(layout, "v_old", a), node(layout, "v", a)
+    if "v_given" in layout.start:
+        old = f"({old} + {node(layout, 'v_given', a)})"
+    return f"({old} + share * ({new} - {old}))"
+
+
 def _affine_velocity(loop: ParticleLoop, a: int) -> str:
     """v_a + C_ab (x_i - x_p)_b, or v_a without an affine matrix."""
     if "C" not in loop.group.layout.fields:
@@ -37,6 +45,10 @@ def p2g(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
     loop.needs.add("w")
     for name in ("m", "v", *(["C"] if "C" in loop.group.layout.fields else [])):
         loop.field(name)
+    if "size_now" in loop.group.layout.fields:
+        loop.field("size"), loop.field("F")
+        loop.line(f"size_now = ({', '.join([f'size[{a}] * F[{4 * a}]' for a in range(loop.dim)] + ['zero'] * (3 - loop.dim))})")
+        loop.store("size_now")
     loop.scatter += ["wm = w * m", f"{node(nodes, 'm')} += wm"]
     loop.scatter += [f"{node(nodes, 'v_old', a)} += wm * {_affine_velocity(loop, a)}" for a in range(loop.dim)]
     if "outward" in nodes.start:
@@ -129,8 +141,7 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
                 light = loop.parameter("m_light", lambda roles: roles["m_light"])
                 loop.gather.append(f"share = min(one, {node(nodes, 'm')} / {light})")
             for a in range(dim):
-                old, new = node(nodes, "v_old", a), node(nodes, "v", a)
-                v = f"({old} + share * ({new} - {old}))" if sharp else new
+                v = limited(nodes, a) if sharp else node(nodes, "v", a)
                 for b in range(dim):
                     _gather_once(loop, f"C{a}{b}", f"{v} * {slope}{b}")
         return
@@ -242,7 +253,7 @@ def stress(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, 
     loop.titles.append(f"stress by {type(group.material).__name__}, its wave speed for the next time step")
     call = loop.material("stress")
     if group.state:
-        loop.line(f"stress, {', '.join(f.name for f in group.state)} = {call}")
+        loop.line(f"stress, {', '.join(loop.local(f.name) for f in group.state)} = {call}")
         for field in group.state:
             loop.store(field.name)
     else:

@@ -203,6 +203,8 @@ def _particle_fields(c: Composition) -> None:
                 layout.add(PARTICLE_FIELDS["q"], role)
         if c.shape is not None and c.shape.particle_size != "none":
             layout.add(PARTICLE_FIELDS["size"], type(c.shape).__name__)
+        if c.keeps_size:
+            layout.add(PARTICLE_FIELDS["size_now"], f"{type(c.shape).__name__} with {integrator}")
 
 
 def _node_channels(c: Composition, plan: Schedule) -> NodeLayout:
@@ -216,6 +218,10 @@ def _node_channels(c: Composition, plan: Schedule) -> NodeLayout:
     loads += [role for role, e in c.effects.items() if e.body_force is not None]
     if loads:
         layout.add(["f_ext"], f"work of {', '.join(loads)}")
+    if c.limits_velocities:
+        given = [role for role, e in c.effects.items() if e.acceleration is not None or (e.body_force is not None and not c.loaded)]
+        if given:
+            layout.add(["v_given"], f"change of velocity by {', '.join(given)}, which is not limited at light nodes")
     if c.contact is not None:
         layout.add(["outward"], f"normals of {type(c.contact).__name__}")
     if c.transfer is not None and c.transfer.passes > 1:
@@ -246,7 +252,7 @@ def _ledger(loop: ParticleLoop, layout: NodeLayout, operator: Any) -> str:
         for b in range(dim):
             loop.gather_zero.append(f"D{b} = zero")
             loop.gather.append(f"D{b} += w * r{b} * r{b}")
-        _ = [loop.field(n) for n in ("size", "F") if n in group.layout.fields]
+        _ = [loop.field(n) for n in ("size", "size_now", "F") if n in group.layout.fields]
     loop.in_middle = True
     loop.field("V")
     add = ["mass += m"] + [f"momentum{a} += m * v[{a}]" for a in range(dim)]

@@ -160,6 +160,7 @@ class ParticleLoop(Text):
         self.scatter: list[str] = []
         self.store_lines: list[str] = []
         self.in_middle = False
+        self.first = False  # of the step: particles have the sizes that all its loops will use
         self.needs: set[str] = set()  # of "w", "g", "r", "moment"
         self.titles: list[str] = []
 
@@ -187,37 +188,42 @@ class ParticleLoop(Text):
             else:
                 return None
             self.have.add(name)
-        return name
+        return self.local(name)
+
+    @staticmethod
+    def local(name: str) -> str:
+        """The variable that holds a field: its letter, or for a law's own state a name that no other variable has."""
+        return name if name in PARTICLE_FIELDS else f"state_{name}"
 
     def _load(self, name: str) -> None:
         layout = self.group.layout
-        field, stored = layout.fields[name], layout.stored(name)
+        field, stored, local = layout.fields[name], layout.stored(name), self.local(name)
         if field.shape == "scalar":
-            self.line(f"{name} = {self.at(name)}")
+            self.line(f"{local} = {self.at(name)}")
             return
         full = {"vector": 3, "symmetric": 6, "tensor": 9}[field.shape]
         parts = []
         for k in range(full):
             if k in stored:
-                self.line(f"{name}{k} = {self.at(name, stored.index(k))}")
-                parts.append(f"{name}{k}")
+                self.line(f"{local}{k} = {self.at(name, stored.index(k))}")
+                parts.append(f"{local}{k}")
             else:
                 diagonal = (field.shape == "tensor" and k in (0, 4, 8)) or (field.shape == "symmetric" and k < 3)
                 parts.append("one" if diagonal and field.initial == 1.0 else "zero")
-        self.line(f"{name} = ({', '.join(parts)})")
+        self.line(f"{local} = ({', '.join(parts)})")
 
     def unpack(self, name: str) -> None:
         """Refresh the component locals of a vector field after its tuple was computed, and mark it for storing."""
         self.store(name)
 
     def store(self, name: str) -> None:
-        """Store the local `name` (a scalar, or a tuple in full form) at the end of the loop."""
-        layout = self.group.layout
+        """Store the local of a field (a scalar, or a tuple in full form) at the end of the loop."""
+        layout, local = self.group.layout, self.local(name)
         if layout.fields[name].shape == "scalar":
-            self.store_lines.append(f"{self.at(name)} = {name}")
+            self.store_lines.append(f"{self.at(name)} = {local}")
         else:
             for k, full in enumerate(layout.stored(name)):
-                self.store_lines.append(f"{self.at(name, k)} = {name}[{full}]")
+                self.store_lines.append(f"{self.at(name, k)} = {local}[{full}]")
         self.have.add(name)
 
     def forget(self, *names: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mpmkit._core.composing.composition import Composition
 from mpmkit._core.composing.layout import NodeLayout
 from mpmkit._core.composing.operators import GridOperator
-from mpmkit._core.composing.pieces import node
+from mpmkit._core.composing.pieces import limited, node
 from mpmkit._core.composing.source import Names, Parameters, ParticleLoop, Text
 
 # Slots of the ledger array `work` that the loops over nodes add to.
@@ -105,6 +105,12 @@ def momentum(sweep: Sweep, has_velocity: bool, name: str) -> str:
         # velocity: a node with little mass may be far from any particle's velocity
         for a in range(dim):
             inner += [f"push{a} += {node(layout, 'f_ext', a)} * dt", f"{node(layout, 'f_ext', a)} *= dt / m"]
+    if "v_given" in layout.start:
+        # what acts on all mass alike is not a matter of little mass; loads of particle layers are, and come in the same channel
+        for a in range(dim):
+            parts = [f"dt * {role}_a[{a}]" for role, effect in c.effects.items() if effect.acceleration is not None]
+            parts += [node(layout, "f_ext", a)] if "f_ext" in layout.start and not c.loaded else []
+            inner.append(f"{node(layout, 'v_given', a)} = {' + '.join(parts)}")
     pushes = bool(accounts) or "f_ext" in layout.start
     lines += [f"    {line}" for line in inner]
     lines += ["else:  # no particle within reach"]
@@ -136,8 +142,7 @@ def limit(sweep: Sweep, name: str) -> str:
     m_limit = sweep.parameter("m_limit", lambda roles: roles["m_limit"])
     lines = [f"k = i * {layout.size}", f"share = min(one, {node(layout, 'm')} / {m_limit})"]
     for a in range(dim):
-        old, new = node(layout, "v_old", a), node(layout, "v", a)
-        lines.append(f"{node(layout, 'v_map', a)} = {old} + share * ({new} - {old})")
+        lines.append(f"{node(layout, 'v_map', a)} = {limited(layout, a)}")
     doc = "Nodes: velocities for the strain, limited where there is little mass."
     return sweep.body(name, doc, _grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
 
@@ -239,7 +244,7 @@ def load(loop: ParticleLoop, layout: NodeLayout, operator: object, role: str, na
     layer = c.layers[role]
     assert layer.load is not None
     loop.needs |= {"w", "g"}
-    for field in ("x", "size", "F"):
+    for field in ("x", "size", "size_now", "F"):
         if field == "x" or (c.shape is not None and field in loop.group.layout.fields):
             loop.field(field)
     special = {
@@ -342,7 +347,7 @@ def reach_function(loop: ParticleLoop, layout: NodeLayout, operator: GridOperato
     """Farthest reach of a body along the normal at each shared node: max of side (x_p - x_i) . n + half a particle."""
     dim = loop.dim
     loop.needs |= {"w", "r"}
-    for field in ("x", "V", "size", "F"):
+    for field in ("x", "V", "size", "size_now", "F"):
         if field in ("x", "V") or field in loop.group.layout.fields:
             loop.field(field)
     loop.line(

@@ -12,6 +12,7 @@ from mpmkit._core.composing.source import ParticleLoop
 
 def fused_function(loop: ParticleLoop, layout: NodeLayout, operator: Any, name: str, verbs: list[str], channel: dict[str, str]) -> str:
     """One function whose loop does several verbs."""
+    loop.first = "p2g" in verbs
     for verb in verbs:
         PIECES[verb](loop, layout, "gather", channel)
     _fields_of_weights(loop)
@@ -26,10 +27,12 @@ def _fields_of_weights(loop: ParticleLoop) -> None:
     shape = loop.composition.shape
     if shape is not None and not loop.composition.stored_operator:
         loop.field("x")
-        if shape.particle_size != "none":
+        if loop.composition.keeps_size and not loop.first:
+            loop.field("size_now")
+        elif shape.particle_size != "none":
             loop.field("size")
-        if shape.particle_size == "current":
-            loop.field("F")
+            if shape.particle_size == "current":
+                loop.field("F")
 
 
 def particle_function(

@@ -36,10 +36,11 @@ class BodyStore:
         self.points = points
         self.operator: tuple[Any, ...] = ()
         dim = self.layout.dim
-        initial: dict[str, Any] = {"x": points.x, "X": points.x, "v": points.v, "V0": points.V0, "m": rho * points.V0, "size": points.size}
+        initial: dict[str, Any] = {"x": points.x, "X": points.x, "v": points.v, "V0": points.V0, "m": rho * points.V0}
+        initial |= {"size": points.size, "size_now": points.size}
         if getattr(points, "F", None) is not None:
             F = np.asarray(points.F).reshape(self.n, 9)
-            initial |= {"F": F, "J": np.linalg.det(F.reshape(-1, 3, 3))}
+            initial |= {"F": F, "J": np.linalg.det(F.reshape(-1, 3, 3)), "size_now": points.size * F[:, [0, 4, 8][:dim]]}
         if getattr(points, "stress", None) is not None:
             initial["stress"] = points.stress
         for name_, field in self.layout.fields.items():
