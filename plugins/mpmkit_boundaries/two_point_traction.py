@@ -38,4 +38,7 @@ class TwoPointTraction(mpm.BoundaryLayer):
     def select(self, points, grid):
         axis = "xyz".index(self.face[0])
         chosen, normals, arms = face_layer(points, self.face, None, "TwoPointTraction")
-        return selection(chosen, points.V0[chosen] / (2.0 * points.size[chosen, axis]), normals, arms)
+        area = points.V0[chosen] / (2.0 * points.size[chosen, axis])
+        if grid.space == "axisymmetric":  # the ring at the boundary is not that through the particle's centre
+            area = area * (points.x[chosen, 0] + arms[:, 0]) / points.x[chosen, 0]
+        return selection(chosen, area, normals, arms)

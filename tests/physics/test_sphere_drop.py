@@ -9,4 +9,4 @@ pytestmark = pytest.mark.physics
 
 def test_the_floor_obeys_coulomb_and_hertz(example):
     drop = example("sphere_drop")
-    drop.check(drop.main(quick=True), quick=True)
+    drop.check(drop.main(quick=True))

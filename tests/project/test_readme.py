@@ -53,6 +53,7 @@ def test_the_script_runs_and_is_the_example(readme, root, tmp_path, monkeypatch,
     assert names["results"].frames[-1].time == pytest.approx(3.6, rel=1e-12)  # rounding: the run lands on its end
     assert (tmp_path / "disks.png").stat().st_size > 10_000
     written = scene.dumps(names["sim"])
+    monkeypatch.syspath_prepend(str(root / "examples"))
     spec = importlib.util.spec_from_file_location("two_disks", root / "examples/two_disks.py")
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)

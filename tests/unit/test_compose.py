@@ -114,7 +114,7 @@ def test_state_of_a_law_may_have_any_name():
     """Also the name of any variable of the generated step: the results are those of a law with names of its own."""
 
     def run(names):
-        text = f"def stress(F, mu, lam, {', '.join(names)}):\n    s = inner(F, lam, mu)\n    return s, {', '.join(f'{n} + {k}.0 + s[0]' for k, n in enumerate(names))}\n"
+        text = f"def stress(F, mu, lam, {', '.join(names)}):\n    of_rubber = inner(F, lam, mu)\n    return of_rubber, {', '.join(f'{n} + {k}.0 + of_rubber[0]' for k, n in enumerate(names))}\n"
         space = {"inner": RUBBER.stress.function}
         exec(text, space)
 

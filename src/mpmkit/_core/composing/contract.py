@@ -182,8 +182,3 @@ def check_state(c: Composition, points: list[Any]) -> None:
                     f"{who}: the initial {name} has a component that does not exist in {space}; component {first} (counted from 0) must be "
                     f"{default[first]:g} there. Leave it out, or use a grid in which it exists"
                 )
-
-
-def layers_by_faces(layers: dict[str, BoundaryLayer], grid: Any) -> dict[str, tuple[str, ...]]:
-    """Faces each layer acts on, for `explain`."""
-    return {role: layer.faces_of(grid) for role, layer in layers.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import types
 from collections.abc import Callable
 from typing import Any
@@ -56,11 +57,13 @@ class Linker:
     def _typed(self, function: types.FunctionType) -> types.FunctionType:
         code = function.__code__
         scope = {name: self._value(function.__globals__[name]) for name in names_of(code) if name in function.__globals__}
-        scope |= {"__builtins__": __builtins__, "__name__": function.__module__}
+        # numba's cache finds a function by its module, which must exist in the next process too
+        module = function.__module__ if function.__module__ in sys.modules else __name__
+        scope |= {"__builtins__": __builtins__, "__name__": module}
         closure = tuple(types.CellType(self._value(cell.cell_contents)) for cell in function.__closure__ or ())
         constants = tuple(self._constant(c) for c in code.co_consts)
         clone = types.FunctionType(code.replace(co_consts=constants), scope, function.__name__, function.__defaults__, closure)
-        clone.__module__, clone.__qualname__ = function.__module__, function.__qualname__
+        clone.__module__, clone.__qualname__ = module, function.__qualname__
         return clone
 
     def _constant(self, value: Any) -> Any:

@@ -180,7 +180,8 @@ def _particle_fields(c: Composition) -> None:
                         asked.setdefault(more, []).append(role)
         for role, layer in c.layers.items():
             for name in layer.load.arguments if layer.load is not None else ():
-                asked.setdefault(name, []).append(role)
+                for one in (name, *sweeps._value_arguments(layer, name, c.dim)):
+                    asked.setdefault(one, []).append(role)
         if c.reference:
             asked.setdefault("F", []).append(type(c.discretization).__name__)
         if c.shape is not None and c.shape.particle_size == "current":
@@ -224,6 +225,7 @@ def _node_channels(c: Composition, plan: Schedule) -> NodeLayout:
             layout.add(["v_given"], f"change of velocity by {', '.join(given)}, which is not limited at light nodes")
     if c.contact is not None:
         layout.add(["outward"], f"normals of {type(c.contact).__name__}")
+        layout.add(["dv_contact"], f"work of {type(c.contact).__name__}")
     if c.transfer is not None and c.transfer.passes > 1:
         layout.add(["u", "u_next", "v_smooth"], type(c.transfer).__name__)
     return layout

@@ -111,10 +111,10 @@ class Text:
         if name == "dim":
             return str(self.composition.dim)
         value = getattr(component, name, None)
+        if name in getattr(component, "values", ()):  # first: a vector of one component may be given as a number
+            return self.value(name, component, role, special)
         if isinstance(value, (bool, int, float)):
             return self.parameter(f"{role}_{name}", lambda roles: float(getattr(roles[role], name)))
-        if name in getattr(component, "values", ()):
-            return self.value(name, component, role, special)
         if isinstance(value, tuple) and all(isinstance(v, (int, float)) for v in value):
             parts = [self.parameter(f"{role}_{name}_{k}", partial(_component_of, role, name, k)) for k in range(len(value))]
             return f"({', '.join(parts + ['zero'] * (3 - len(parts)))})"
@@ -211,10 +211,6 @@ class ParticleLoop(Text):
                 diagonal = (field.shape == "tensor" and k in (0, 4, 8)) or (field.shape == "symmetric" and k < 3)
                 parts.append("one" if diagonal and field.initial == 1.0 else "zero")
         self.line(f"{local} = ({', '.join(parts)})")
-
-    def unpack(self, name: str) -> None:
-        """Refresh the component locals of a vector field after its tuple was computed, and mark it for storing."""
-        self.store(name)
 
     def store(self, name: str) -> None:
         """Store the local of a field (a scalar, or a tuple in full form) at the end of the loop."""

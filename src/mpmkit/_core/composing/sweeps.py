@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from mpmkit._core.composing.composition import Composition
 from mpmkit._core.composing.layout import NodeLayout
 from mpmkit._core.composing.operators import GridOperator
@@ -14,7 +16,6 @@ WORK = (
     "effect_dissipation",
     "boundary",
     "friction",
-    "contact",
     "impulse_x",
     "impulse_y",
     "impulse_z",
@@ -22,6 +23,7 @@ WORK = (
     "force_y",
     "force_z",
 )
+IMPULSE, FORCE = WORK.index("impulse_x"), WORK.index("force_x")
 
 
 def vector(layout: NodeLayout, channel: str, dim: int) -> str:
@@ -120,7 +122,7 @@ def momentum(sweep: Sweep, has_velocity: bool, name: str) -> str:
         *([f"push{a} = 0.0" for a in range(dim)] if pushes else []),
         "for i in range(span[0], span[1]):",
     ]
-    tail = ["work[0] += external", "work[1] += effects", *([f"work[{8 + a}] += push{a}" for a in range(dim)])] if pushes else []
+    tail = ["work[0] += external", "work[1] += effects", *([f"work[{FORCE + a}] += push{a}" for a in range(dim)])] if pushes else []
     if not pushes:
         header = header[-1:]
     return sweep.body(name, "Nodes: v_i = (mv)_i / m_i, v_i += dt (f_i / m_i + accelerations).", _grid_arguments(c), header, lines, tail)
@@ -186,30 +188,49 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         assert layer.hold is not None
         return sweep.call("hold", layer.hold, role, None, special | {"v": source})
 
+    def rubbed(before: str) -> list[str]:
+        """Friction on ``new``, by the normal impulse that the particles feel: with FLIP, what the condition took from v_old presses on nothing."""
+        if layer.rub is None:
+            return []
+        text = ["n = " + special["normal"], "dv_n = -(" + " + ".join(f"reaction{a} * n[{a}]" for a in range(dim)) + ") / m"]
+        text.append(f"rubbed = {sweep.call('rub', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
+        text += [f"drag{a} = m * (rubbed[{a}] - new[{a}])" for a in range(dim)]
+        text.append("friction -= " + " + ".join(f"drag{a} * (rubbed[{a}] + {before}[{a}])" for a in range(dim)))
+        return text + [f"reaction{a} += drag{a}" for a in range(dim)] + ["new = rubbed"]
+
     if channel == "v":
         inner += [f"raw = {vector(layout, 'v_old', dim)}"]
-        if on_old:
+        if on_old and layer.hold is None:
             inner += [f"old = {constrained('raw')}", *assign(layout, "v_old", dim, "old")]
         else:
             inner += ["old = raw"]
         inner += [f"trial = {vector(layout, 'v', dim)}", f"new = {constrained('trial')}"]
         if layer.hold is not None:
             # Decided once, by the trial velocity: a wall that stops a node after letting it go before would do work on it.
-            inner += ["old = raw", "if new != trial:", f"    old, new = {held('raw')}, {held('trial')}", *assign(layout, "v_old", dim, "old")]
+            inner += [
+                "if new != trial:",
+                f"    old, new = {held('raw')}, {held('trial')}",
+                *assign(layout, "v_old", dim, "old"),
+            ]
         # Reaction: what the particles gain beyond the forces. FLIP takes up v - v_old, PIC all of v, so the part of the
         # momentum that the condition on v_old removed counts for the share of PIC only.
         share = sweep.parameter("flip_share", lambda roles: flip_share(roles.get("transfer")))
         inner += [f"reaction{a} = m * (new[{a}] - trial[{a}] - {share} * (old[{a}] - raw[{a}]))" for a in range(dim)]
         inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + old[{a}])" for a in range(dim)))
-        if layer.rub is not None:
-            inner.append("n = " + special["normal"])
-            inner.append("dv_n = (trial[0] - new[0]) * n[0] + (trial[1] - new[1]) * n[1] + (trial[2] - new[2]) * n[2]")
-            inner.append(f"rubbed = {sweep.call('rub', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
-            inner += [f"drag{a} = m * (rubbed[{a}] - new[{a}])" for a in range(dim)]
-            inner.append("friction -= " + " + ".join(f"drag{a} * (rubbed[{a}] + old[{a}])" for a in range(dim)))
-            inner += [f"reaction{a} += drag{a}" for a in range(dim)] + ["new = rubbed"]
+        inner += rubbed("old")
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v", dim, "new")
+    elif channel == "v_old":
+        # Before the strain. The particles feel it as far as their new velocities contain the old ones of the grid.
+        inner += [f"raw = {vector(layout, 'v_old', dim)}", f"new = {constrained('raw')}"]
+        if layer.hold is not None:
+            inner += ["if new != raw:", f"    new = {held('raw')}"]
+        felt = sweep.parameter("grid_share", lambda roles: grid_share(roles.get("transfer")))
+        inner += [f"reaction{a} = {felt} * m * (new[{a}] - raw[{a}])" for a in range(dim)]
+        inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + raw[{a}])" for a in range(dim)))
+        inner += rubbed("raw")
+        inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
+        inner += assign(layout, "v_old", dim, "new")
     else:
         inner.append(f"new = {constrained(vector(layout, channel, dim))}")
         if layer.hold is not None:
@@ -218,24 +239,31 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
             inner += [f"impulse{a} += m * (new[{a}] - {node(layout, channel, a)})" for a in range(dim)]
         inner += assign(layout, channel, dim, "new")
     lines += [f"    {line}" for line in inner]
-    account = channel == "v"
+    account = channel in ("v", "v_old")
     header = ["boundary, friction = 0.0, 0.0"] if account else []
     tail = ["work[2] += 0.5 * boundary", "work[3] += 0.5 * friction"] if account else []
     if account or channel == "v_smooth":
         header += [f"impulse{a} = 0.0" for a in range(dim)]
-        tail += [f"work[{5 + a}] += impulse{a}" for a in range(dim)]
+        tail += [f"work[{IMPULSE + a}] += impulse{a}" for a in range(dim)]
     doc = f"Nodes: {layer.summary()} ({channel})"
     return sweep.body(name, doc.replace('"', "'"), _list_arguments(c), [*header, "for j in range(nodes.size):"], lines, tail)
+
+
+def grid_share(transfer: object) -> float:
+    """How much of the particle velocity comes from the velocity of the grid before the update (0 for FLIP, 1 for PIC, APIC and XPIC)."""
+    return _response(transfer, {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 1.0}) if transfer is not None else 0.0
 
 
 def flip_share(transfer: object) -> float:
     """How much of the particle velocity comes from the change of the grid velocity (1 for FLIP and XPIC, 0 for PIC and APIC)."""
     if transfer is None:
         return 0.0
-    kernel = transfer.velocity  # type: ignore[attr-defined]
-    response = {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 0.0}
-    arguments = [response[n] if n in response else float(getattr(transfer, n)) for n in kernel.arguments]
-    return 1.0 - float(kernel(*arguments))
+    return 1.0 - _response(transfer, {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 0.0})
+
+
+def _response(transfer: Any, given: dict[str, float]) -> float:
+    """What the transfer makes of these velocities; it is linear in them."""
+    return float(transfer.velocity(*(given[n] if n in given else float(getattr(transfer, n)) for n in transfer.velocity.arguments)))
 
 
 def load(loop: ParticleLoop, layout: NodeLayout, operator: object, role: str, name: str) -> str:
@@ -322,12 +350,21 @@ def contact_functions(sweep: Sweep, channels: list[str]) -> str:
             f"impulse = {call}",
         ]
         if channel == "v":
-            old = layout.start["v_old"]
-            slip = [
-                f"(A[k + {old + a}] + v_a[{a}] + impulse[{a}] / A[k] - B[k + {old + a}] - v_b[{a}] + impulse[{a}] / B[k])"
-                for a in range(dim)
+            # the velocity contact gives to each body; its work is summed over the particles (see `momentum`)
+            given = layout.start["dv_contact"]
+            lines += [f"A[k + {given + a}] += impulse[{a}] / A[k]" for a in range(dim)]
+            lines += [f"B[k + {given + a}] -= impulse[{a}] / B[k]" for a in range(dim)]
+        if channel == "v_map":
+            # Where contact has acted in the momentum update the strain must see the bodies move together, else the
+            # stress that presses them apart would do work without being relieved.
+            given = layout.start["dv_contact"]
+            lines += [
+                "pressed = " + " + ".join(f"A[k + {given + a}] * n[{a}]" for a in range(dim)),
+                "u_n = " + " + ".join(f"(v_a[{a}] - v_b[{a}]) * n[{a}]" for a in range(dim)),
+                "if pressed < zero and u_n < zero:",
+                "    J = -u_n * A[k] * B[k] / (A[k] + B[k])",
+                "    impulse = (J * n[0], J * n[1], J * n[2])",
             ]
-            lines.append("lost -= " + " + ".join(f"impulse[{a}] * {slip[a]}" for a in range(dim)))
         lines += [f"A[k + {at + a}] += impulse[{a}] / A[k]" for a in range(dim)]
         lines += [f"B[k + {at + a}] -= impulse[{a}] / B[k]" for a in range(dim)]
         texts.append(
@@ -335,9 +372,8 @@ def contact_functions(sweep: Sweep, channels: list[str]) -> str:
                 f"contact_{channel}",
                 f"Contact impulses at shared nodes, equal and opposite, on the channel {channel}.",
                 "A, B, found, count, normals, reach_a, reach_b",
-                [*(["lost = 0.0"] if channel == "v" else []), "for s in range(count):"],
+                ["for s in range(count):"],
                 lines,
-                ["work[4] += 0.5 * lost"] if channel == "v" else [],
             )
         )
     return "\n\n".join(texts)

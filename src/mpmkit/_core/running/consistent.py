@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from mpmkit._core.composing.sweeps import FORCE, IMPULSE
 from mpmkit._core.running.engine import Engine
 from mpmkit.errors import CompositionError
 
@@ -51,10 +52,10 @@ class ConsistentMomentum:
             rest = momentum - M[:, free] @ lumped[free] - M[:, held] @ value[held]
             v_old[free] = lumped[free] + _solve(M[np.ix_(free, free)], rest[free])
             v[free] = v_old[free] + float(dt) * _solve(M[np.ix_(free, free)], force[free])
-            e.work[5 + a] += float((M[held] @ (v - v_old)).sum() - float(dt) * force[held].sum())
+            e.work[IMPULSE + a] += float((M[held] @ (v - v_old)).sum() - float(dt) * force[held].sum())
             if f_ext is not None:
                 outer = G[active, f_ext + a].astype(float)
-                e.work[8 + a] += float(dt) * float(outer.sum())
+                e.work[FORCE + a] += float(dt) * float(outer.sum())
                 given = np.zeros(active.size)  # the velocity external forces give; the particles sum its work
                 given[free] = float(dt) * _solve(M[np.ix_(free, free)], outer[free])
                 G[active, f_ext + a] = given

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import mpmkit
-from mpmkit._core.composing import contract
+from mpmkit._core.composing import contract, jit
 from mpmkit._core.composing.composition import collect
 from mpmkit._core.composing.plan import make_plan
 from mpmkit._core.running import checkpoint, guards, timestep
@@ -151,6 +151,8 @@ class Run:
         """Compile everything before the clock of the run starts: one step of length zero, then the state as it was."""
         engine = self.engine
         self._warm = True
+        if not jit.enabled():
+            return  # plain Python has nothing to compile, and minds kernels that divide by a step of length zero
         t, step = engine.t, engine.step_number
         saved = {name: array.copy() for name, array in engine.state().items()}
         engine.step(0.0)
