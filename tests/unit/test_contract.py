@@ -9,7 +9,7 @@ from mpmkit.boundaries import PrescribedVelocity, Symmetry, TractionLayer, TwoPo
 from mpmkit.contacts import FrictionalContact
 from mpmkit.discretizations import FEM
 from mpmkit.effects import BodyForce, Damping, Gravity
-from mpmkit.integrators import APIC, MUSL, USF, USL, XPIC
+from mpmkit.integrators import APIC, MUSL, TPIC, USF, USL, XPIC
 from mpmkit.materials import HypoelasticJaumann, LinearElastic, NeoHookean, NewtonianFluid, VonMises
 from mpmkit.shapes import GIMP, ContiguousGIMP, CubicBSpline, Linear, QuadraticBSpline
 
@@ -149,6 +149,8 @@ def test_zero_is_a_vector_of_any_length():
         (USF(mass="consistent"), [], "USF"),
         (USL(mass="consistent"), [], "USL"),
         (MUSL(XPIC(2), mass="consistent"), [], "XPIC"),
+        (MUSL(APIC(), mass="consistent"), [], "APIC"),
+        (MUSL(TPIC(), mass="consistent"), [], "TPIC"),
         (MUSL(mass="consistent"), [Wall("xmin")], "separate"),
         (MUSL(mass="consistent"), [Wall("xmin", friction=0.1)], "Wall"),
         (MUSL(mass="consistent"), [PrescribedVelocity((0.0, 0.0), region=mpm.Box((0.0, 0.0), (1.0, 1.0)))], "region"),

@@ -132,9 +132,10 @@ def _check_stored(c: Composition) -> None:
 def _check_consistent(c: Composition) -> None:
     if c.contact is not None:
         raise CompositionError("mass='consistent' does not work with contact, which acts on lumped nodes; use mass='lumped'")
-    if c.transfer is not None and c.transfer.passes > 1:
+    if c.transfer is not None and (c.transfer.passes > 1 or c.transfer.affine != "none"):
         raise CompositionError(
-            f"mass='consistent' does not work with {type(c.transfer).__name__}; use FLIP, PIC, APIC or TPIC, or mass='lumped'"
+            f"mass='consistent' does not work with {type(c.transfer).__name__}, whose affine or filtered velocities would come from nodes that no "
+            "particle determines; use FLIP or PIC, or mass='lumped'"
         )
     if "remap" not in c.verbs:
         raise CompositionError(

@@ -309,14 +309,35 @@ def find_shared(A, B, span_a, span_b, found, slot, par):
 
 @compiled
 def contact_normals(A, B, found, count, normals, reach_a, reach_b):
-    """Unit normals from body a to body b, from the difference of the outward volume gradients."""
+    """Candidates for the unit normal from body a to body b: the mean of both outward volume gradients, that of a, that of b."""
     for s in range(count):
         k = found[s] * {C}
-        n0, n1, n2 = {normal}
-        size = sqrt(n0 * n0 + n1 * n1 + n2 * n2)
-        inverse_size = one / size if size > zero else zero
-        normals[s, 0], normals[s, 1], normals[s, 2] = n0 * inverse_size, n1 * inverse_size, n2 * inverse_size
-        reach_a[s], reach_b[s] = T(-1e30), T(1e30)
+        a0, a1, a2 = {outward_a}
+        b0, b1, b2 = {outward_b}
+        candidates = ((a0 - b0, a1 - b1, a2 - b2), (a0, a1, a2), (-b0, -b1, -b2))
+        for c in range(3):
+            n = candidates[c]
+            size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+            inverse_size = one / size if size > zero else zero
+            normals[s, c, 0], normals[s, c, 1], normals[s, c, 2] = n[0] * inverse_size, n[1] * inverse_size, n[2] * inverse_size
+            reach_a[s, c], reach_b[s, c] = T(-1e30), T(1e30)
+
+
+@compiled
+def choose_normals(count, normals, reach_a, reach_b, margin):
+    """The candidate along which the bodies are farthest apart, if that is more than `margin` better than the mean.
+
+    Convex bodies are as far apart as along the best of all directions. At the edge of a body on a flat face the mean
+    is oblique, and along it the face overlaps the body; the normal of the face itself is the better one.
+    """
+    for s in range(count):
+        best = 0
+        for c in range(1, 3):
+            if reach_b[s, c] - reach_a[s, c] > reach_b[s, best] - reach_a[s, best] + margin:
+                best = c
+        for a in range(3):
+            normals[s, 0, a] = normals[s, best, a]
+        reach_a[s, 0], reach_b[s, 0] = reach_a[s, best], reach_b[s, best]
 
 
 @compiled
@@ -332,8 +353,8 @@ def contact_functions(sweep: Sweep, channels: list[str]) -> str:
     assert c.contact is not None
     small = sweep.parameters.slot("m_small", lambda roles: roles["m_small"])
     o = layout.start["outward"]
-    normal = ", ".join([f"A[k + {o + a}] - B[k + {o + a}]" for a in range(dim)] + ["zero"] * (3 - dim))
-    texts = [CONTACT.format(C=layout.size, normal=normal, m_small=small)]
+    outward = {f"outward_{n.lower()}": ", ".join([f"{n}[k + {o + a}]" for a in range(dim)] + ["zero"] * (3 - dim)) for n in "AB"}
+    texts = [CONTACT.format(C=layout.size, m_small=small, **outward)]
     for channel in channels:
         text = Sweep(c, sweep.parameters, sweep.names, layout)
         at = layout.start[channel]
@@ -341,12 +362,12 @@ def contact_functions(sweep: Sweep, channels: list[str]) -> str:
         def both(body: str, at: int = at) -> str:
             return "(" + ", ".join([f"{body}[k + {at + a}]" for a in range(dim)] + ["zero"] * (3 - dim)) + ")"
 
-        special = {"m_a": "A[k]", "m_b": "B[k]", "v_a": "v_a", "v_b": "v_b", "normal": "n", "gap": "reach_b[s] - reach_a[s]"}
+        special = {"m_a": "A[k]", "m_b": "B[k]", "v_a": "v_a", "v_b": "v_b", "normal": "n", "gap": "reach_b[s, 0] - reach_a[s, 0]"}
         call = text.call("impulse", c.contact.impulse, "contact", None, special)
         lines = [
             f"k = found[s] * {layout.size}",
             f"v_a, v_b = {both('A')}, {both('B')}",
-            "n = (normals[s, 0], normals[s, 1], normals[s, 2])",
+            "n = (normals[s, 0, 0], normals[s, 0, 1], normals[s, 0, 2])",
             f"impulse = {call}",
         ]
         if channel == "v":
@@ -391,12 +412,13 @@ def reach_function(loop: ParticleLoop, layout: NodeLayout, operator: GridOperato
         if loop.composition.grid.space != "axisymmetric"
         else "half = T(0.5) * sqrt(V / (T(6.283185307179586) * x[0]))"
     )
-    distance = " + ".join(f"r{b} * normals[s, {b}]" for b in range(dim))
+    distance = " + ".join(f"r{b} * normals[s, c, {b}]" for b in range(dim))
     loop.scatter += [
         f"s = slot[k // {layout.size}]",
         "if s >= 0 and w > zero:",
-        f"    d = side * ({distance})  # from particle to node along the normal of this side",
-        "    reach[s] = side * max(side * reach[s], half - d)",
+        "    for c in range(3):",
+        f"        d = side * ({distance})  # from particle to node along the normal of this side",
+        "        reach[s, c] = side * max(side * reach[s, c], half - d)",
     ]
     from mpmkit._core.composing.writer import particle_function
 

@@ -23,9 +23,9 @@ class Pair:
 
     def resize(self, size: int, dtype: type) -> None:
         self.found = np.zeros(size, dtype=np.int64)
-        self.normals: Any = np.zeros((size, 3), dtype=dtype)
-        self.reach_a: Any = np.zeros(size, dtype=dtype)
-        self.reach_b: Any = np.zeros(size, dtype=dtype)
+        self.normals: Any = np.zeros((size, 3, 3), dtype=dtype)  # three candidates, the chosen one first
+        self.reach_a: Any = np.zeros((size, 3), dtype=dtype)
+        self.reach_b: Any = np.zeros((size, 3), dtype=dtype)
 
 
 class ContactPairs:
@@ -67,6 +67,7 @@ class ContactPairs:
         for body, reach, side in ((pair.a, pair.reach_a, 1.0), (pair.b, pair.reach_b, -1.0)):
             function = getattr(m, f"reach_{e.stores[body].group.name}")
             function(*e._particle_arguments(body), self.slot, pair.normals, reach, e.dtype(side), t, dt)
+        m.choose_normals(pair.count, pair.normals, pair.reach_a, pair.reach_b, e.dtype(1e-3 * e.c.grid.h))
         m.clear_shared(pair.found, pair.count, self.slot)
         if not np.isfinite(pair.normals[: pair.count]).all():
             raise StabilityError(f"contact between bodies {pair.a} and {pair.b}: a normal is not a number at step {e.step_number}")

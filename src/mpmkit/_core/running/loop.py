@@ -9,6 +9,7 @@ import warnings
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+import attrs
 import numpy as np
 
 import mpmkit
@@ -30,8 +31,9 @@ if TYPE_CHECKING:
     from mpmkit.simulation import Simulation
 
 SNAPSHOT_SECONDS = 0.5  # wall time between copies of the state in memory, the last good state of a failing run
-CREATED_WARN, CREATED_STOP = 0.05, 1.0  # energy out of nothing, relative to the largest energy of the run
-# Steps without that warning: velocities lag by half a step, so after n steps under a sudden load 1/(2n) of the energy is missing or over.
+# Energy out of nothing, relative to the largest energy of the run, which contains it: at one half the energy has doubled.
+CREATED_WARN, CREATED_STOP = 0.05, 0.5
+# Steps without these guards: velocities lag by half a step, so after n steps under a sudden load 1/(2n) of the energy is missing or over.
 STAGGERED = 100
 COLLAPSE = 1e-6  # smallest time step relative to the first
 
@@ -198,7 +200,8 @@ class Run:
                 if self._stop:
                     raise KeyboardInterrupt
         for r in self.recorders:
-            r.checkpoint()
+            if r.record.checkpoint:
+                r.checkpoint(always=True)
 
     @contextmanager
     def _interruptible(self) -> Iterator[None]:
@@ -222,7 +225,7 @@ class Run:
     def _energy_guard(self) -> None:
         balance = self.ledger.last["balance"]
         engine = self.engine
-        if not balance < CREATED_STOP:
+        if not balance < (CREATED_STOP if engine.step_number >= STAGGERED else 1.0):
             raise StabilityError(
                 f"energy was created: {balance:.3g} times the largest energy of the run, at step {engine.step_number}, t = "
                 f"{engine.t:.6g} s. "
@@ -279,6 +282,11 @@ class Run:
             raise ResultsError(
                 f"{path}: checkpoint of another composition ({', '.join(differ)} differ); compose the simulation that wrote it"
             )
+        if len(attributes["frames"]) != len(self.sim.records):
+            raise ResultsError(
+                f"{path}: the run that wrote it had {len(attributes['frames'])} Record(s), this simulation has {len(self.sim.records)}; "
+                "add the same ones, their files are continued"
+            )
         engine = self.engine
         engine.restore(arrays, float(attributes["t"]), int(attributes["step"]))
         self.ledger.first_energy, self.ledger.scale = attributes["first_energy"], attributes["scale"]
@@ -291,12 +299,14 @@ class Run:
         """What a checkpoint must agree with."""
         from mpmkit._core.composing.fingerprint import fingerprint
 
-        plan = self.plan
+        plan, sim = self.plan, self.sim
+        parts = [sim.grid, sim.shape, sim.integrator, sim.discretization, *sim.boundaries, *sim.contacts, *sim.effects]
         parameters = [v.hex() for s, b in zip(self._stores, self.engine.body_par, strict=True) for v in map(float, b)]
         return {
             "mpmkit": mpmkit.__version__,
             "kernels": fingerprint(plan.names.functions, plan.text),
-            "parameters": parameters,
+            "components": [_told(part) for part in parts if part is not None],
+            "materials": parameters,
             "bodies": [s.name for s in self._stores],
             "particles": [s.n for s in self._stores],
         }
@@ -343,3 +353,12 @@ class Run:
             "units": units,
             "grid": {"lower": list(grid.lower), "upper": list(grid.upper), "spacing": list(grid.spacing)},
         }
+
+
+def _told(value: Any) -> str:
+    """A component with its parameters as text that is the same in every process; functions by name, the fingerprint covers their code."""
+    if attrs.has(type(value)):
+        return f"{type(value).__name__}({', '.join(f'{a.name}={_told(getattr(value, a.name))}' for a in attrs.fields(type(value)))})"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_told, value))})"
+    return getattr(value, "__qualname__", "function") if callable(value) else repr(value)

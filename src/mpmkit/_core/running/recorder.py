@@ -51,10 +51,11 @@ class Recorder:
             if "size" not in widths:  # what pictures are drawn with
                 static["size"] = np.concatenate([_three(s.points.size) for s in stores])
             self.file = ParticleFile.create(record.path, widths, static, SCALARS, run.meta(), record.compress, record.overwrite)
-            self.history = HistoryFile.create(history, COLUMNS, overwrite=record.overwrite or history.exists())
+            self.history = HistoryFile.create(history, COLUMNS, overwrite=record.overwrite)
             self._row(run.ledger.last)
             self._frame(run.ledger.last)
-            self.checkpoint(always=True)
+            if record.checkpoint:
+                self.checkpoint(always=True)
         else:
             self.file = ParticleFile.reopen(record.path)
             if self.file.n_frames < resumed:
@@ -65,16 +66,15 @@ class Recorder:
             self.file.truncate(resumed)
             self.times = self.file.times.tolist()
             self.history = HistoryFile.reopen(history, run.engine.step_number)
+            self.history.close()  # the first row opens it again
 
     @staticmethod
     def claim(record: Record) -> None:
         """Refuse, before anything is compiled, a path that may not be written."""
-        if Path(record.path).exists() or not record.overwrite:
-            exists = Path(record.path).exists()
-            if exists and not record.overwrite:
-                paths.claim(record.path, overwrite=False)
-            elif not exists:
-                paths.claim(record.path, overwrite=True)
+        beside = (paths.history_path(record.path), paths.checkpoint_path(record.path))
+        for path, what in ((Path(record.path), "results"), *((p, "the files of a run") for p in beside)):
+            if not path.exists() or not record.overwrite:  # an old file is removed when the new one is made, not before
+                paths.claim(path, overwrite=False, what=what)
 
     @classmethod
     def resume(cls, record: Record, run: Run, frames: int) -> Recorder:

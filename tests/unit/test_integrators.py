@@ -1,0 +1,197 @@
+"""The order of a step: strain updates, the protection of USL, consistent mass, time steps that land."""
+
+import numpy as np
+import pytest
+from small_scenes import EPS, bar, components, example, grid, run, simulation
+
+import mpmkit as mpm
+from mpmkit._core.composing.increments import (
+    exponential_increment,
+    exponential_volume_ratio,
+    first_order_increment,
+    midpoint_increment,
+)
+from mpmkit._core.running.timestep import land
+from mpmkit.boundaries import PrescribedVelocity, TwoPointTraction, Wall
+from mpmkit.integrators import FLIP, MUSL, PIC, USF, USL
+from mpmkit.materials import LinearElastic, NeoHookean
+from mpmkit.shapes import Linear, QuadraticBSpline
+
+pytestmark = pytest.mark.usefixtures("plain_python")
+
+EYE = tuple(np.eye(3).ravel())
+
+
+def spin(w):
+    return (0.0, -w, 0.0, w, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+# --- strain updates, as functions ---------------------------------------------------------------------------------
+def test_first_order_update_inflates_a_rotation_by_the_formula():
+    """J = (1 + w^2 dt^2)^n: 1.04 after a turn in 1000 steps. Rounding: n machine epsilons."""
+    w, n = 2.0, 1000
+    dt = 2.0 * np.pi / w / n
+    A = np.array(first_order_increment(spin(w), dt)).reshape(3, 3)
+    J = np.linalg.det(np.linalg.matrix_power(A, n))
+    assert abs(J / (1.0 + w * w * dt * dt) ** n - 1.0) < n * 4 * EPS
+    assert abs(J - 1.04) < 0.001
+
+
+@pytest.mark.parametrize("increment", [exponential_increment, midpoint_increment], ids=lambda f: f.__name__)
+@pytest.mark.parametrize("w_dt", [1e-9, 1e-3, 0.1, 0.5, 3.0])
+def test_other_updates_of_a_rotation_are_rotations(increment, w_dt):
+    """Orthogonal to ten machine epsilons (rounding); the exponential turns by w dt exactly, the midpoint rule by 2 atan(w dt / 2)."""
+    R = np.array(increment(spin(1.0), w_dt)).reshape(3, 3)
+    assert np.abs(R @ R.T - np.eye(3)).max() < 10 * EPS * max(1.0, w_dt)
+    angle = np.arctan2(R[1, 0], R[0, 0])
+    wanted = w_dt if increment is exponential_increment else 2.0 * np.arctan(0.5 * w_dt)
+    assert abs(angle - wanted) < 20 * EPS * max(1.0, w_dt)
+
+
+def test_exponential_is_the_matrix_exponential():
+    """Against scipy, for velocity gradients of all sizes; 1e-13 of the result (the truncation error it promises)."""
+    from scipy.linalg import expm
+
+    rng = np.random.default_rng(5)
+    for size in (1e-8, 1e-4, 9e-5, 1.1e-4, 1e-2, 0.2, 1.0, 5.0):
+        for _ in range(5):
+            L = rng.uniform(-1.0, 1.0, 9)
+            E = np.array(exponential_increment(tuple(L), size)).reshape(3, 3)
+            wanted = expm(size * L.reshape(3, 3))
+            assert np.abs(E - wanted).max() < 1e-13 * np.abs(wanted).max() * max(1.0, size), size
+            ratio = exponential_volume_ratio(tuple(L), size)
+            assert abs(ratio / np.linalg.det(wanted) - 1.0) < 1e-11
+
+
+@pytest.mark.parametrize(("increment", "order"), [(first_order_increment, 2), (midpoint_increment, 3), (exponential_increment, 9)])
+def test_order_of_the_updates(increment, order):
+    """Rate: the error of one step against the exponential falls as dt^order, or is rounding."""
+    from scipy.linalg import expm
+
+    L = np.array([0.3, 1.0, -0.2, -0.7, 0.1, 0.4, 0.2, -0.5, 0.6])
+    errors = [np.abs(np.array(increment(tuple(L), dt)).reshape(3, 3) - expm(dt * L.reshape(3, 3))).max() for dt in (0.02, 0.01)]
+    assert errors[1] < 1e-14 or errors[0] / errors[1] > 2**order * 0.9
+
+
+# --- strain updates, in a simulation ------------------------------------------------------------------------------
+@pytest.mark.parametrize("integrator", components("integrator"), ids=lambda c: c.__name__)
+@pytest.mark.parametrize("strain", ["first-order", "midpoint", "exponential"])
+@pytest.mark.parametrize("shape", [example(c) for c in components("shape")], ids=lambda s: type(s).__name__)
+def test_volume_of_a_body_in_rigid_rotation(shape, strain, integrator):
+    """All nodes turn as v = w x r: the velocity gradient is exact, and J that of the update; 1e-12 (rounding)."""
+    w, dt, steps = 1.5, 0.02, 10
+    turn = PrescribedVelocity((f"-{w}*(y - 1)", f"{w}*(x - 1)"), region=mpm.Box((-9.0, -9.0), (9.0, 9.0)))
+    soft = NeoHookean(E=1.0, nu=0.3, rho=1.0)
+    body = mpm.Body(mpm.Box((0.75, 0.75), (1.25, 1.25)), soft, particles_per_cell=1)
+    sim = run(simulation(grid("plane strain"), body, turn, shape=shape, integrator=integrator(PIC(), dt=dt, strain=strain)), steps * dt)
+    p = sim.particles()
+    J = np.array(p["J"])
+    if strain == "first-order":
+        assert np.abs(J / (1.0 + w * w * dt * dt) ** steps - 1.0).max() < 1e-12
+        assert np.abs(p["stress"]).max() > 1e-3
+    else:
+        assert np.abs(J - 1.0).max() < 1e-12
+        assert np.abs(p["stress"]).max() < 1e-12
+
+
+# --- what the integrators are known for ---------------------------------------------------------------------------
+def trembling(integrator):
+    """Four particles that fly across ten cells with a disturbance of 1e-6."""
+    law = NeoHookean(E=0.7428, nu=0.3, rho=1.0)  # sound travels 1 m/s
+    v = (0.08253, 0.05646)
+    body = mpm.Body(mpm.Box((0.4, 0.4), (0.5, 0.5)), law, (f"{v[0]} + 1e-6*sin(37*x + 20*y)", f"{v[1]} + 1e-6*sin(30*y)"), name="body")
+    p = run(simulation(mpm.Grid((0.0, 0.0), (2.0, 2.0), 0.1), body, shape=Linear(), integrator=integrator), 10.0).particles("body")
+    return np.abs(p["v"] - v).max()
+
+
+def test_usl_is_bounded_by_its_limit():
+    """The disturbance stays of its size; without the limit the body is torn apart already in free flight."""
+    assert trembling(USL(cfl=0.4)) < 2e-6
+    assert trembling(MUSL(cfl=0.4)) < 2e-6
+    with pytest.raises(mpm.StabilityError, match="particle . of body 'body'"):
+        trembling(USL(cfl=0.4, limit=0.0))
+
+
+def vibrating(integrator, **more):
+    """A bar that is let go from a stretched state, v = 0.01 sin(pi x / 2): one period is 4 s."""
+    sim = bar(Wall("xmin", condition="no slip"), v="0.01*sin(pi*x/2)", n=10, integrator=integrator, **more)
+    return run(sim, 4.0)
+
+
+@pytest.mark.parametrize("integrator", components("integrator"), ids=lambda c: c.__name__)
+@pytest.mark.parametrize("shape", [Linear(), QuadraticBSpline()], ids=lambda s: type(s).__name__)
+def test_period_of_a_vibrating_bar(integrator, shape):
+    """After a period the velocities are back, to 10 % (pinned: ten cells); MUSL and USF keep the energy to 2 %."""
+    sim = vibrating(integrator(FLIP(), cfl=0.2), shape=shape)
+    p = sim.particles("bar")
+    wanted = 0.01 * np.sin(0.5 * np.pi * p["x"][:, 0])
+    assert np.abs(p["v"][:, 0] - wanted).max() < 0.1 * 0.01
+    energy = sim.history["energy"]
+    if integrator is not USL:
+        assert abs(energy[-1] / energy[0] - 1.0) < 0.02
+
+
+# --- consistent mass ----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("transfer", [FLIP(), PIC(), FLIP(0.5)], ids=str)
+def test_consistent_mass_agrees_with_lumped(transfer):
+    """The pulled bar with both: stress behind the front and end velocity agree to 15 % (pinned: twelve cells)."""
+    load = TwoPointTraction("bar", (0.01,), "xmax")
+    found = []
+    for mass in ("lumped", "consistent"):
+        sim = run(bar(load, Wall("xmin", condition="no slip"), n=12, integrator=MUSL(transfer, cfl=0.3, mass=mass)), 0.7)
+        p = sim.particles("bar")
+        found.append((p["stress"][p["x"][:, 0] > 0.55, 0].mean(), p["v"][p["x"][:, 0] > 0.55, 0].mean()))
+        assert abs(sim.history["force_impulse_x"][-1] - 0.01 * 0.7) < 1e-12
+        assert abs(sim.compose().momentum_error()) < 1e-10
+    lumped, consistent = np.array(found)
+    assert np.abs(consistent / lumped - 1.0).max() < 0.15
+    assert (lumped != consistent).any()
+    assert np.abs(lumped / 0.01 - 1.0).max() < 0.15
+
+
+def test_consistent_mass_in_two_dimensions():
+    """A free block that is pulled keeps its momentum account, and flies like the lumped one."""
+    body = mpm.Body(mpm.Box((0.5, 0.5), (1.0, 1.0)), NeoHookean(E=50.0, nu=0.3, rho=1.0), (0.3, 0.1), name="block")
+    load = TwoPointTraction("block", (0.2, 0.0), "xmax")
+    for mass in ("lumped", "consistent"):
+        sim = run(simulation(grid("plane strain"), body, load, shape=Linear(), integrator=MUSL(mass=mass, dt=5e-3)), 0.05)
+        row = {n: c[-1] for n, c in sim.history.items()}
+        assert abs(row["momentum_x"] - (0.3 * 0.25 + 0.2 * 0.5 * 0.05)) < 1e-12
+        assert abs(row["momentum_y"] - 0.1 * 0.25) < 1e-12
+
+
+# --- time steps ---------------------------------------------------------------------------------------------------
+def test_steps_land_on_their_target_without_a_tiny_one():
+    for dt in (0.1, 0.3, 0.0999999, 0.33, 0.7):
+        t, lengths = 0.0, []
+        while t < 1.0:
+            step, arrived = land(t, dt, 1.0)
+            lengths.append(step)
+            t = 1.0 if arrived else t + step
+            assert arrived or t < 1.0
+        assert abs(sum(lengths) - 1.0) < 1e-12
+        assert max(lengths) <= dt * (1.0 + 1e-9) and min(lengths) > 0.45 * min(dt, 1.0)
+
+
+def test_time_step_is_that_of_the_fastest_body():
+    slow, fast = LinearElastic(E=1.0, nu=0.0, rho=1.0), LinearElastic(E=100.0, nu=0.0, rho=1.0)
+    g = mpm.Grid(0.0, 4.0, 0.25, lateral="stress")
+    sim = simulation(g, mpm.Body(mpm.Box(0.5, 1.5), slow, 0.5, name="slow"), mpm.Body(mpm.Box(2.0, 3.0), fast, 2.0, name="fast"), shape=Linear(), integrator=MUSL(cfl=0.3))
+    text = str(sim.explain())
+    assert "body 'fast'" in text and "c + |v| = 12 m/s" in text and f"dt = {0.3 * 0.25 / 12:.4g} s" in text
+    run(sim, 0.05)
+    assert sim.step_number == 8  # 0.05 / 0.00625
+
+
+def test_smallest_spacing_limits():
+    body = mpm.Body(mpm.Box((0.5, 0.5), (1.0, 1.0)), LinearElastic(E=1.0, nu=0.0, rho=1.0), name="flat")
+    sim = simulation(mpm.Grid((0.0, 0.0), (2.0, 2.0), (0.25, 0.125)), body, integrator=MUSL(cfl=0.5))
+    assert "dt = 0.0625 s" in str(sim.explain())
+
+
+@pytest.mark.parametrize("integrator", [MUSL, USF, USL], ids=lambda c: c.__name__)
+def test_fixed_step_is_kept(integrator):
+    sim = bar(integrator=integrator(dt=0.01), v=0.01)
+    run(sim, 0.25)
+    assert sim.step_number == 25
+    assert np.allclose(sim.history["dt"][1:], 0.01, rtol=1e-9)
