@@ -3,8 +3,9 @@
 The plane is the lower face of the domain, a wall with friction 0.3, and gravity is tilted: by 30 degrees the block slides; by 10, 15 and 16
 degrees it stays (the limit is 16.7). A rigid block either slides or stays at once. An elastic one does so if it is laid down gently:
 it first settles under damping, with as much force along the plane as friction can bear, and is let go then. Under gravity that is
-switched on all at once it is compressed and rings: the force on the plane swings between nothing and twice its mean, and whenever it is
-small the block moves on, although the mean would hold it. The picture shows both.
+switched on all at once it rings, with nothing to damp it, and the picture shows that it then creeps down at 15 degrees: at each rebound
+its foot rises a little, and a wall stops what moves towards it anywhere within the first cell, so that the block is soon some
+millimetres above the plane.
 
 Runs in a few seconds. Writes docs/images/incline.png when started as a script.
 """

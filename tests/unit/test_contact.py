@@ -157,7 +157,6 @@ def mean_v(sim, body="block"):
     return (p["m"][:, None] * p["v"]).sum(axis=0) / p["m"].sum()
 
 
-@pytest.mark.xfail(reason="oblique normals at the edges of the sliding block push it back", strict=True)
 @pytest.mark.parametrize("integrator", [MUSL, USF], ids=lambda c: c.__name__)
 def test_sliding_without_friction_loses_nothing(integrator):
     assert abs(mean_v(sliding(0.0, 0.7, integrator=integrator))[0] - 0.7) < 0.02 * 2.0 * 0.4  # 0.02 of what it is pressed with

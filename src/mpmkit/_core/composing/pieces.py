@@ -116,6 +116,7 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
     c, dim = loop.composition, loop.dim
     transfer = c.transfer
     asks = transfer.velocity.arguments if transfer is not None else ("v_grid",)
+    external = "f_ext" in nodes.start and not c.stored_operator
     if part == "gather":
         loop.titles.append(
             f"particle velocities by {type(transfer).__name__}" if transfer is not None else "particle velocities from the nodes"
@@ -127,10 +128,10 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
                 _gather_once(loop, f"dv{a}", f"w * ({node(nodes, 'v', a)} - {node(nodes, 'v_old', a)})")
             if "v_smooth" in asks:
                 _gather_once(loop, f"vs{a}", f"w * {node(nodes, 'v_smooth', a)}")
-        for channel_, work in _works(loop, nodes):
+        if external:
             loop.field("v"), loop.field("m")
             for a in range(dim):
-                _gather_once(loop, f"dv_{work}{a}", f"w * {node(nodes, channel_, a)}")
+                _gather_once(loop, f"dv_ext{a}", f"w * {node(nodes, 'f_ext', a)}")
         if transfer is not None and transfer.affine != "none":
             loop.needs.add("moment" if transfer.affine == "moment" else "g")
             slope = "e_" if transfer.affine == "moment" else "g"
@@ -144,8 +145,7 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
                 for b in range(dim):
                     _gather_once(loop, f"C{a}{b}", f"{v} * {slope}{b}")
         return
-    works = _works(loop, nodes)
-    if works:
+    if external:
         loop.line("v_before = v")
     if transfer is None:
         loop.line(f"v = ({', '.join([f'vg{a}' for a in range(dim)] + ['zero'] * (3 - dim))})")
@@ -161,17 +161,10 @@ def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str
             full = [f"C{a}{b}" if a < dim and b < dim else "zero" for a in range(3) for b in range(3)]
             loop.line(f"C = ({', '.join(full)})")
             loop.store("C")
-    for _, work in works:
-        power = " + ".join(f"dv_{work}{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
-        loop.line(f"{work} += T(0.5) * m * ({power})")
+    if external:
+        power = " + ".join(f"dv_ext{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
+        loop.line(f"external += T(0.5) * m * ({power})")
     loop.store("v")
-
-
-def _works(loop: ParticleLoop, nodes: NodeLayout) -> list[tuple[str, str]]:
-    """Nodal velocity changes whose work is summed over the particles: (channel, ledger name)."""
-    if loop.composition.stored_operator:
-        return []
-    return [(channel, work) for channel, work in (("f_ext", "external"), ("dv_contact", "contact")) if channel in nodes.start]
 
 
 def remap(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:

@@ -225,7 +225,6 @@ def _node_channels(c: Composition, plan: Schedule) -> NodeLayout:
             layout.add(["v_given"], f"change of velocity by {', '.join(given)}, which is not limited at light nodes")
     if c.contact is not None:
         layout.add(["outward"], f"normals of {type(c.contact).__name__}")
-        layout.add(["dv_contact"], f"work of {type(c.contact).__name__}")
     if c.transfer is not None and c.transfer.passes > 1:
         layout.add(["u", "u_next", "v_smooth"], type(c.transfer).__name__)
     return layout

@@ -143,8 +143,7 @@ def limit(sweep: Sweep, name: str) -> str:
     layout, dim = sweep.layout, sweep.dim
     m_limit = sweep.parameter("m_limit", lambda roles: roles["m_limit"])
     lines = [f"k = i * {layout.size}", f"share = min(one, {node(layout, 'm')} / {m_limit})"]
-    for a in range(dim):
-        lines.append(f"{node(layout, 'v_map', a)} = {limited(layout, a)}")
+    lines += [f"{node(layout, 'v_map', a)} = {limited(layout, a)}" for a in range(dim)]
     doc = "Nodes: velocities for the strain, limited where there is little mass."
     return sweep.body(name, doc, _grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
 
@@ -371,18 +370,17 @@ def contact_functions(sweep: Sweep, channels: list[str]) -> str:
             f"impulse = {call}",
         ]
         if channel == "v":
-            # the velocity contact gives to each body; its work is summed over the particles (see `momentum`)
-            given = layout.start["dv_contact"]
-            lines += [f"A[k + {given + a}] += impulse[{a}] / A[k]" for a in range(dim)]
-            lines += [f"B[k + {given + a}] -= impulse[{a}] / B[k]" for a in range(dim)]
+            # What slides is rubbed away. The slip is that of the particles around the node (v_old): a node with little
+            # mass may move faster than any of them. The normal part only passes momentum on.
+            old = layout.start["v_old"]
+            slip = " + ".join(f"(impulse[{a}] + press[s] * n[{a}]) * (A[k + {old + a}] - B[k + {old + a}])" for a in range(dim))
+            lines += ["press[s] = -(impulse[0] * n[0] + impulse[1] * n[1] + impulse[2] * n[2])", f"rubbed -= {slip}"]
         if channel == "v_map":
             # Where contact has acted in the momentum update the strain must see the bodies move together, else the
             # stress that presses them apart would do work without being relieved.
-            given = layout.start["dv_contact"]
             lines += [
-                "pressed = " + " + ".join(f"A[k + {given + a}] * n[{a}]" for a in range(dim)),
                 "u_n = " + " + ".join(f"(v_a[{a}] - v_b[{a}]) * n[{a}]" for a in range(dim)),
-                "if pressed < zero and u_n < zero:",
+                "if press[s] > zero and u_n < zero:",
                 "    J = -u_n * A[k] * B[k] / (A[k] + B[k])",
                 "    impulse = (J * n[0], J * n[1], J * n[2])",
             ]
@@ -392,9 +390,10 @@ def contact_functions(sweep: Sweep, channels: list[str]) -> str:
             text.body(
                 f"contact_{channel}",
                 f"Contact impulses at shared nodes, equal and opposite, on the channel {channel}.",
-                "A, B, found, count, normals, reach_a, reach_b",
-                ["for s in range(count):"],
+                "A, B, found, count, normals, reach_a, reach_b, press",
+                [*(["rubbed = 0.0"] if channel == "v" else []), "for s in range(count):"],
                 lines,
+                ["work[3] += rubbed"] if channel == "v" else [],
             )
         )
     return "\n\n".join(texts)

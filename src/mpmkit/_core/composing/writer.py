@@ -59,13 +59,12 @@ def particle_function(
         "diffusion": ("zero", 1),
         "viscous": ("0.0", 2),
         "external": ("0.0", 5),
-        "contact": ("0.0", 6),
         "x_low": ("T(1e30)", 3),
         "x_high": ("T(-1e30)", 4),
     }
     used = {n: s for n, s in sums.items() if f"{n} = m" in text or f"\n{n} -= " in text or f"\n{n} += " in text}
     before = [f"{n} = {start}" for n, (start, _) in used.items()]
-    after = [f"out[{slot}] {'+=' if n in ('viscous', 'external', 'contact') else '='} {n}" for n, (_, slot) in used.items()]
+    after = [f"out[{slot}] {'+=' if n in ('viscous', 'external') else '='} {n}" for n, (_, slot) in used.items()]
     signature = f"{operator.arguments}, {extra}{'chosen, area, normals, arms, ' if chosen else ''}t, dt"
     lines = ["@compiled", f"def {name}({signature}):", textwrap.indent('"""' + _wrapped(doc) + '"""', "    ")]
     lines += [f"    {line}" for line in operator.head(loop) if gathers or scatters]

@@ -25,6 +25,7 @@ class Pair:
         self.found = np.zeros(size, dtype=np.int64)
         self.normals: Any = np.zeros((size, 3, 3), dtype=dtype)  # three candidates, the chosen one first
         self.reach_a: Any = np.zeros((size, 3), dtype=dtype)
+        self.press: Any = np.zeros(size, dtype=dtype)
         self.reach_b: Any = np.zeros((size, 3), dtype=dtype)
 
 
@@ -48,7 +49,7 @@ class ContactPairs:
                     self._find(pair, t, dt)
                 if pair.count:
                     A, B = e.fields[pair.a].G, e.fields[pair.b].G
-                    shared = (pair.found, pair.count, pair.normals, pair.reach_a, pair.reach_b)
+                    shared = (pair.found, pair.count, pair.normals, pair.reach_a, pair.reach_b, pair.press)
                     function(A, B, *shared, e.node_par, e.lat, e.work, t, dt)
 
         return apply

@@ -249,7 +249,6 @@ class Engine:
             row |= self._nodal_motion()
         row |= dict(zip(WORK, self.work, strict=True))
         row["external"] += float(self.outs[:, 5].sum())
-        row["contact"] = -float(self.outs[:, 6].sum())
         row["viscous"] = float(self.outs[:, 2].sum())
         return {name: float(value) for name, value in row.items()}
 

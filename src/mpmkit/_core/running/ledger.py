@@ -30,7 +30,7 @@ class Ledger:
         """Sum up the present state."""
         e = self.engine
         s = e.ledger()
-        dissipated = s["dissipated"] + s["viscous"] + s["effect_dissipation"] + s["friction"] + s["contact"]
+        dissipated = s["dissipated"] + s["viscous"] + s["effect_dissipation"] + s["friction"]
         energy = s["kinetic"] + s["stored"] + dissipated
         if self.first_energy is None:
             self.first_energy = energy

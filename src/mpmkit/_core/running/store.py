@@ -21,7 +21,7 @@ class BodyStore:
     P : array
         The packed buffer, tiles of 16 particles (see `mpmkit._core.composing.layout`).
     out : float64[8]
-        Fastest signal, largest diffusivity, viscous dissipation, lowest and highest first coordinate, works of external forces and contact.
+        Fastest signal, largest diffusivity, viscous dissipation, lowest and highest first coordinate, work of external forces.
     flag : int64[4]
         Number of a particle with J <= 0, and of one outside the domain; -1 if there is none.
     """
