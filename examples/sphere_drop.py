@@ -92,7 +92,8 @@ def draw(results, path):
 
     frames = [results.at(t) for t in (0.0, 0.15, 0.29)]
     behind = [frame["x"][:, 1] > 0.15 for frame in frames]
-    together = {name: np.concatenate([f[name][far] for f, far in zip(frames, behind, strict=True)]) for name in ("x", "stress", "body", "V0")}
+    fields = ("x", "stress", "body", "V0")
+    together = {name: np.concatenate([f[name][far] for f, far in zip(frames, behind, strict=True)]) for name in fields}
     strobe = mpm.Results.in_memory([(0.0, 0, together)], {}, results.bodies, meta=results.meta)
     figure = strobe.plot("stress", window=((0, 1.1), (0, 0.3), (0, 0.35)), azimuth=-66, elevation=16)
     figure.axes[0].set_title("the ball, cut open, at " + ", ".join(f"{frame.time:.2f}" for frame in frames) + " s")

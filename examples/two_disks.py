@@ -22,8 +22,9 @@ R, SPEED = 0.2, np.hypot(0.1, 0.1)
 CONTACT = (np.hypot(0.6, 0.6) - 2 * R) / (2 * SPEED)  # the disks touch: 1.586 s
 # Finite elements, one disk against its plane of symmetry: times after the contact, kinetic energy over its start value.
 FINITE_ELEMENTS = np.array([
-    (0.0, 1.0), (0.086, 0.918), (0.172, 0.758), (0.258, 0.540), (0.344, 0.306), (0.430, 0.129), (0.523, 0.048), (0.602, 0.131), (0.689, 0.371),
-    (0.775, 0.653), (0.861, 0.813), (0.947, 0.879), (1.033, 0.893), (1.293, 0.954), (1.551, 0.894), (1.723, 0.941), (1.982, 0.878),
+    (0.0, 1.0), (0.086, 0.918), (0.172, 0.758), (0.258, 0.540), (0.344, 0.306), (0.430, 0.129),
+    (0.523, 0.048), (0.602, 0.131), (0.689, 0.371), (0.775, 0.653), (0.861, 0.813), (0.947, 0.879),
+    (1.033, 0.893), (1.293, 0.954), (1.551, 0.894), (1.723, 0.941), (1.982, 0.878),
 ])  # fmt: skip
 REFERENCE = {"contact felt at": CONTACT, "lowest kinetic energy": 0.048, "lowest at": CONTACT + 0.523, "rebound": 0.913}
 
@@ -90,10 +91,11 @@ def draw(results, fine, path):
         frame = results.at(time)
         x, (xx, yy, zz, xy, yz, xz) = frame["x"], frame["stress"].T
         mises = np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + xz**2))
-        size = np.full(len(x), 0.026)
-        dots = EllipseCollection(size, size, 0 * size, units="xy", offsets=x, offset_transform=panel.transData, array=mises, cmap="viridis", clim=(0, 250))
+        size, place = np.full(len(x), 0.026), {"units": "xy", "offsets": x, "offset_transform": panel.transData}
+        dots = EllipseCollection(size, size, 0 * size, **place, array=mises, cmap="viridis", clim=(0, 250))
         panel.add_collection(dots)
-        panel.set(xlim=(0, 1), ylim=(0, 1), aspect="equal", title=f"t = {frame.time:.1f} s", xticks=(0, 0.5, 1), yticks=(0, 0.5, 1), xlabel="x [m]")
+        panel.set(title=f"t = {frame.time:.1f} s", xlabel="x [m]", xticks=(0, 0.5, 1), yticks=(0, 0.5, 1))
+        panel.set(xlim=(0, 1), ylim=(0, 1), aspect="equal")
         panel.spines[:].set_visible(True)
     panels[0].set_ylabel("y [m]")
     above.colorbar(dots, ax=panels, label="von Mises stress [Pa]", extend="max", aspect=16, pad=0.015).outline.set_visible(False)

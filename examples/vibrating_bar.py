@@ -92,18 +92,21 @@ def draw(runs, path):
         for name in NAMES:
             t, v, _ = runs[name]
             panel.plot(t / PERIOD, v, lw=1.2, label=name)
-        panel.set(xlim=(begin, begin + 2), xticks=begin + np.arange(0, 2.1, 0.5), ylim=(-1.15, 2.1), yticks=(-1, 0, 1), title=title, ylabel="mean velocity / first", xlabel="t [periods]")
+        panel.set(xlim=(begin, begin + 2), xticks=begin + np.arange(0, 2.1, 0.5), ylim=(-1.15, 2.1), yticks=(-1, 0, 1))
+        panel.set(title=title, ylabel="mean velocity / first", xlabel="t [periods]")
     panels[0, 0].legend(loc="upper left")
     for name in NAMES:
         t, _, energy = runs[name]
         panels[1, 0].plot(t / PERIOD, 100 * (energy - 1), lw=0.5, label=name)
-    panels[1, 0].set(xlabel="t [periods]", ylabel="energy - first [%]", title="no particle crosses a cell face", xlim=(0, end), ylim=(-2, 1.5))
+    panels[1, 0].set(title="no particle crosses a cell face", xlabel="t [periods]", ylabel="energy - first [%]")
+    panels[1, 0].set(xlim=(0, end), ylim=(-2, 1.5))
     s = np.linspace(0, 4, 801)
     panels[1, 1].plot(s, cosine(s * PERIOD), color="#22262b", lw=3, alpha=0.25, label="exact")
     for name in ("GIMP", "tents"):
         t, v, _ = runs[name]
         panels[1, 1].plot(t / PERIOD, v, lw=1.2, label={"GIMP": "GIMP", "tents": "tents (Linear)"}[name])
-    panels[1, 1].set(xlabel="t [periods]", ylabel="mean velocity / first", title="7.5 times as strong: particles cross cell faces", xlim=(0, 4), ylim=(-1.15, 2.1), yticks=(-1, 0, 1))
+    panels[1, 1].set(title="7.5 times as strong: particles cross cell faces", xlabel="t [periods]", ylabel="mean velocity / first")
+    panels[1, 1].set(xlim=(0, 4), ylim=(-1.15, 2.1), yticks=(-1, 0, 1))
     panels[1, 1].legend(loc="upper left")
     plotting.save(figure, path)
 

@@ -6,8 +6,6 @@ import mpmkit as mpm
 @mpm.kernel
 def tent_weights(f):
     """(1 - f, f) and their slopes, for f in [0, 1]."""
-    # A particle on a node exactly would give its neighbour a force but no mass to carry it: momentum would be lost.
-    f = min(max(f, 1e-14), 1.0 - 1e-14)
     return (1.0 - f, f), (-1.0, 1.0)
 
 

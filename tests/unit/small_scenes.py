@@ -35,7 +35,9 @@ def grid(space: str, cells: int = 8, h: float = 0.25, lower: float = 0.0) -> mpm
     low = [lower] * dim
     if space == "axisymmetric":
         low[0] = 1.0
-    return mpm.Grid(tuple(low), tuple(x + cells * h for x in low), h, coordinates="axisymmetric" if space == "axisymmetric" else "cartesian")
+    return mpm.Grid(
+        tuple(low), tuple(x + cells * h for x in low), h, coordinates="axisymmetric" if space == "axisymmetric" else "cartesian"
+    )
 
 
 def box(space: str, low: float, high: float) -> mpm.Box:

@@ -89,7 +89,9 @@ class TestLattice:
         order = np.polyfit(np.log([10, 20, 40, 80]), -np.log(errors), 1)[0]
         assert 1.3 < order < 1.7
 
-    @pytest.mark.parametrize(("dim", "given", "near"), [(1, 0, "must be >= 1"), (2, 3, "1 and 4"), (2, 5, "4 and 9"), (3, 9, "8 and 27"), (3, 20, "8 and 27")])
+    @pytest.mark.parametrize(
+        ("dim", "given", "near"), [(1, 0, "must be >= 1"), (2, 3, "1 and 4"), (2, 5, "4 and 9"), (3, 9, "8 and 27"), (3, 20, "8 and 27")]
+    )
     def test_wrong_number_names_the_nearest(self, dim, given, near):
         with pytest.raises(mpm.ParameterError, match=near):
             mpm.Body(mpm.Box((0,) * dim, (1,) * dim), STUFF, particles_per_cell=given)
@@ -133,7 +135,10 @@ class TestPlace:
     @pytest.mark.parametrize("lattice", ["grid", "body"])
     def test_outside_the_domain(self, lattice):
         body = mpm.Body(mpm.Disk((0.9, 0.5), 0.2), STUFF, lattice=lattice, name="ball")
-        with pytest.raises(mpm.CompositionError, match=r"body 'ball' reaches from \(0.7, 0.3\) to \(1.1, 0.7\) m, outside the domain from \(0, 0\) to \(1, 1\)"):
+        with pytest.raises(
+            mpm.CompositionError,
+            match=r"body 'ball' reaches from \(0.7, 0.3\) to \(1.1, 0.7\) m, outside the domain from \(0, 0\) to \(1, 1\)",
+        ):
             body.sample(PLANE)
 
     def test_turned_shape_is_judged_by_its_particles(self):
@@ -148,7 +153,10 @@ class TestPlace:
 
     def test_too_small_for_a_particle(self):
         body = mpm.Body(mpm.Disk((0.5, 0.5), 0.01), STUFF)
-        with pytest.raises(mpm.CompositionError, match=r"body of Disk and Stuff: no particle.*\(0.49, 0.49\) to \(0.51, 0.51\).*spacing of \(0.05, 0.05\).*lattice='body'"):
+        with pytest.raises(
+            mpm.CompositionError,
+            match=r"body of Disk and Stuff: no particle.*\(0.49, 0.49\) to \(0.51, 0.51\).*spacing of \(0.05, 0.05\).*lattice='body'",
+        ):
             body.sample(PLANE)
         assert mpm.Body(mpm.Disk((0.5, 0.5), 0.01), STUFF, lattice="body").sample(PLANE).n == 1
 
@@ -172,7 +180,18 @@ class TestState:
         assert points.F is None
         assert points.stress is None
 
-    @pytest.mark.parametrize("v", [(1, -2), [1, -2], np.array([1.0, -2.0]), ("1 m/s", "-200 cm/s"), ("0.5*2", -2), lambda x: (1, -2), lambda x: np.tile((1.0, -2.0), (len(x), 1))])
+    @pytest.mark.parametrize(
+        "v",
+        [
+            (1, -2),
+            [1, -2],
+            np.array([1.0, -2.0]),
+            ("1 m/s", "-200 cm/s"),
+            ("0.5*2", -2),
+            lambda x: (1, -2),
+            lambda x: np.tile((1.0, -2.0), (len(x), 1)),
+        ],
+    )
     def test_ways_to_say_a_constant_velocity(self, v):
         np.testing.assert_allclose(mpm.Body(self.BOX, STUFF, v).sample(PLANE).v, np.tile((1.0, -2.0), (16, 1)), rtol=4 * EPS)
 

@@ -54,7 +54,14 @@ def test_what_presses_on_a_wall(integrator, transfer):
     """Sticky: no motion along the wall. Slip: nothing along it is lost. Nobody passes, and momentum is accounted for (rounding, 1e-12)."""
     into = (0.5, -0.5)
     along = {}
-    for wall in (Wall("ymin"), Wall("ymin", condition="slip"), Wall("ymin", condition="no slip"), Symmetry("ymin"), Wall("ymin", friction=0.0), Wall("ymin", friction=0.3)):
+    for wall in (
+        Wall("ymin"),
+        Wall("ymin", condition="slip"),
+        Wall("ymin", condition="no slip"),
+        Symmetry("ymin"),
+        Wall("ymin", friction=0.0),
+        Wall("ymin", friction=0.3),
+    ):
         sim = ball_at_wall(wall, into, 0.08, integrator=integrator(example(transfer)))
         p = sim.particles()
         assert p["x"][:, 1].min() > 0.0
@@ -127,7 +134,9 @@ def test_half_with_symmetry_is_the_half_of_the_whole():
     whole = mpm.Body(mpm.Box((-0.5, 0.25), (0.5, 0.75)), law, v)
     half = mpm.Body(mpm.Box((0.0, 0.25), (0.5, 0.75)), law, v)
     both = run(simulation(mpm.Grid((-1.0, 0.0), (1.0, 1.5), 0.25), whole, shape=Linear(), integrator=MUSL(dt=5e-3)), 0.1).particles()
-    one = run(simulation(mpm.Grid((0.0, 0.0), (1.0, 1.5), 0.25), half, Symmetry("xmin"), shape=Linear(), integrator=MUSL(dt=5e-3)), 0.1).particles()
+    one = run(
+        simulation(mpm.Grid((0.0, 0.0), (1.0, 1.5), 0.25), half, Symmetry("xmin"), shape=Linear(), integrator=MUSL(dt=5e-3)), 0.1
+    ).particles()
     right = both["x"][:, 0] > 0.0
     for name in one:
         assert np.abs(both[name][right] - one[name]).max() < 1e-11 * np.abs(one[name]).max(), name
@@ -150,7 +159,16 @@ def test_axis_of_rings_is_straight():
 def test_everything_prescribed_moves_as_prescribed(integrator, shape):
     """With PIC the particles have the velocity of the nodes, here of a linear field: 1e-12 (rounding)."""
     field = PrescribedVelocity(("0.3 + 0.2*y", "0.1*x"), region=EVERYWHERE)
-    sim = run(simulation(grid("plane strain"), mpm.Body(box("plane strain", 0.5, 0.75), RUBBER), field, shape=shape, integrator=integrator(PIC(), dt=0.01)), 0.01)
+    sim = run(
+        simulation(
+            grid("plane strain"),
+            mpm.Body(box("plane strain", 0.5, 0.75), RUBBER),
+            field,
+            shape=shape,
+            integrator=integrator(PIC(), dt=0.01),
+        ),
+        0.01,
+    )
     p = sim.particles()
     start = p["X"] if "X" in p else p["x"] - 0.01 * p["v"]
     assert np.abs(p["v"] - np.stack([0.3 + 0.2 * start[:, 1], 0.1 * start[:, 0]], axis=1)).max() < 1e-12
@@ -165,8 +183,10 @@ def test_everything_prescribed_moves_as_prescribed(integrator, shape):
 )
 def test_components_of_prescribed_velocity(components_, wanted):
     """At the nodes of the face ymin, whose normal is y; read from the nodes themselves."""
-    layer = PrescribedVelocity((0.6, -0.2), "ymin", components=components_) if components_ not in "xy" else PrescribedVelocity(
-        (0.6, -0.2), region=mpm.Box((-9.0, -9.0), (9.0, 0.1)), components=components_
+    layer = (
+        PrescribedVelocity((0.6, -0.2), "ymin", components=components_)
+        if components_ not in "xy"
+        else PrescribedVelocity((0.6, -0.2), region=mpm.Box((-9.0, -9.0), (9.0, 0.1)), components=components_)
     )
     body = mpm.Body(mpm.Box((0.5, 0.0), (1.0, 0.5)), RUBBER, (0.4, 0.1))
     sim = run(simulation(grid("plane strain"), body, layer, shape=Linear(), integrator=MUSL(dt=1e-3)), 1e-3)

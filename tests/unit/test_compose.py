@@ -130,7 +130,13 @@ def test_state_of_a_law_may_have_any_name():
             dissipation = mpm.kernel(eval(f"lambda {names[0]}: {names[0]}"))
             lam, mu = RUBBER.lam, RUBBER.mu
 
-        sim = scene(Wall("all", friction=0.1), Gravity((0.0, -1.0)), TractionLayer("bar", (1.0, 0.0), "xmax"), material=Named(rho=1.0), integrator=MUSL(APIC(), dt=1e-3))
+        sim = scene(
+            Wall("all", friction=0.1),
+            Gravity((0.0, -1.0)),
+            TractionLayer("bar", (1.0, 0.0), "xmax"),
+            material=Named(rho=1.0),
+            integrator=MUSL(APIC(), dt=1e-3),
+        )
         sim.run(until=4e-3, quiet=True)
         plan = sim.compose().plan
         return plan, sim.history, sim.particles("bar")
@@ -142,14 +148,23 @@ def test_state_of_a_law_may_have_any_name():
         names = taken[first : first + 3]
         _, other_history, other = run(names)
         assert all(np.array_equal(history[n], other_history[n]) for n in history), names
-        assert all(np.array_equal(particles[a], other[b]) for a, b in zip(["x", "v", "alpha_1", "alpha_3"], ["x", "v", names[0], names[2]], strict=True)), names
+        assert all(
+            np.array_equal(particles[a], other[b])
+            for a, b in zip(["x", "v", "alpha_1", "alpha_3"], ["x", "v", names[0], names[2]], strict=True)
+        ), names
 
 
 # --- parameter values ---------------------------------------------------------------------------------------------
 def test_parameter_values_do_not_change_the_text():
     def plan(E, h, cells, integrator, friction, g, lower):
         body = mpm.Body(mpm.Box((lower + 2 * h,) * 2, (lower + 4 * h,) * 2), NeoHookean(E=E, nu=0.2, rho=E), name="bar")
-        sim = simulation(mpm.Grid((lower, lower), (lower + cells * h, lower + 8 * h), h), body, Wall("all", friction=friction), Gravity(g), integrator=integrator)
+        sim = simulation(
+            mpm.Grid((lower, lower), (lower + cells * h, lower + 8 * h), h),
+            body,
+            Wall("all", friction=friction),
+            Gravity(g),
+            integrator=integrator,
+        )
         return sim.compose().plan
 
     one = plan(1.0, 0.25, 8, MUSL(), 0.1, (0.0, -1.0), 0.0)
@@ -350,9 +365,19 @@ def child(tmp_path_factory):
     def run(law="(J - 1.0)", modulus="1.0", **environment):
         (folder / "squeeze.py").write_text(textwrap.dedent(PLUGIN.format(law=law)))
         (folder / "modulus.py").write_text(f"def modulus():\n    return {modulus}\n")
-        more = {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "MPMKIT_CACHE_DIR": str(folder / "cache"), "NUMBA_DISABLE_JIT": "0"}
+        more = {
+            "PYTHONPATH": str(folder),
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "MPMKIT_CACHE_DIR": str(folder / "cache"),
+            "NUMBA_DISABLE_JIT": "0",
+        }
         done = subprocess.run(
-            [sys.executable, "-c", textwrap.dedent(CHILD)], env=os.environ | more | environment, cwd=folder, capture_output=True, text=True, check=False
+            [sys.executable, "-c", textwrap.dedent(CHILD)],
+            env=os.environ | more | environment,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout) | {"stderr": done.stderr}

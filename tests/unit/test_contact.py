@@ -99,7 +99,10 @@ def oblique(contact, *parts, transfer=None, shape=None, integrator=MUSL, swap=Fa
     a = mpm.Body(mpm.Box((0.5, 0.5), (1.0, 0.875)), RUBBER, (0.6, 0.3), name="a")
     b = mpm.Body(mpm.Box((1.0, 0.75), (1.5, 1.25)), LinearElastic(E=60.0, nu=0.2, rho=1.0), (-0.8, -0.4), name="b")
     bodies = (b, a) if swap else (a, b)
-    return run(simulation(grid("plane strain"), *bodies, contact, *parts, shape=shape, integrator=integrator(transfer or FLIP(), cfl=0.5), **more), 0.2)
+    return run(
+        simulation(grid("plane strain"), *bodies, contact, *parts, shape=shape, integrator=integrator(transfer or FLIP(), cfl=0.5), **more),
+        0.2,
+    )
 
 
 @pytest.mark.parametrize("integrator", components("integrator"), ids=lambda c: c.__name__)
@@ -164,10 +167,10 @@ def test_sliding_without_friction_loses_nothing(integrator):
 
 @pytest.mark.parametrize("integrator", [MUSL, USF], ids=lambda c: c.__name__)
 def test_coulomb_friction_between_bodies(integrator):
-    """What friction takes beside what a block without friction loses: mu g t, to 20 % (pinned: a block of one layer of cells)."""
+    """What friction takes beside what a block without friction loses: mu g t, to 10 % (pinned: a block of one layer of cells)."""
     g, t, mu = 2.0, 0.4, 0.25
     smooth, rough = (mean_v(sliding(one, 0.7, integrator=integrator))[0] for one in (0.0, mu))
-    assert abs((smooth - rough) / (mu * g * t) - 1.0) < 0.2
+    assert abs((smooth - rough) / (mu * g * t) - 1.0) < 0.1
 
 
 def test_enough_friction_sticks():
@@ -188,7 +191,9 @@ def test_bodies_at_rest_on_each_other():
     stiff = LinearElastic(E=100.0, nu=0.0, rho=1.0)
     lower = mpm.Body(mpm.Box(0.0, 0.5), stiff, name="lower")
     upper = mpm.Body(mpm.Box(0.5, 1.0), stiff, name="upper")
-    sim = simulation(mpm.Grid(0.0, 1.5, 0.125), lower, upper, FrictionalContact(), Gravity((-1.0,)), Damping(10.0), Wall("xmin"), shape=Linear())
+    sim = simulation(
+        mpm.Grid(0.0, 1.5, 0.125), lower, upper, FrictionalContact(), Gravity((-1.0,)), Damping(10.0), Wall("xmin"), shape=Linear()
+    )
     run(sim, 1.5)
     stress = sim.particles("lower")["stress"][:, 0]
     assert np.abs(sim.particles()["v"]).max() < 5e-3

@@ -100,7 +100,13 @@ def test_shape_that_knows_no_rings(shape):
 def test_axis_needs_symmetry():
     g = mpm.Grid((0.0, 0.0), (1.0, 1.0), 0.25, coordinates="axisymmetric")
     body = mpm.Body(mpm.Box((0.0, 0.25), (0.5, 0.75)), RUBBER)
-    for layers in ((), (Wall("all"),), (Wall("xmin"),), (Wall("xmin", condition="slip"),), (PrescribedVelocity((0.0, 1.0), "xmin", components="tangential"),)):
+    for layers in (
+        (),
+        (Wall("all"),),
+        (Wall("xmin"),),
+        (Wall("xmin", condition="slip"),),
+        (PrescribedVelocity((0.0, 1.0), "xmin", components="tangential"),),
+    ):
         refused(simulation(g, body, *layers), "r = 0", "Symmetry('xmin')")
     simulation(g, body, Wall("all"), Symmetry("xmin")).compose()
 
@@ -112,12 +118,21 @@ def test_law_without_uniaxial_stress(material):
 
 
 def test_one_contact_algorithm():
-    refused(simulation(PLANE, block(), FrictionalContact(), FrictionalContact(friction=0.1)), "one contact algorithm", "FrictionalContact, FrictionalContact")
+    refused(
+        simulation(PLANE, block(), FrictionalContact(), FrictionalContact(friction=0.1)),
+        "one contact algorithm",
+        "FrictionalContact, FrictionalContact",
+    )
 
 
 @pytest.mark.parametrize("layer", [TractionLayer, TwoPointTraction], ids=lambda c: c.__name__)
 def test_load_of_an_unknown_body(layer):
-    refused(simulation(PLANE, block("hammer"), layer("hamer", (0.0, 1.0), "xmin")), f"{layer.__name__}.body", "'hamer'", "did you mean 'hammer'?")
+    refused(
+        simulation(PLANE, block("hammer"), layer("hamer", (0.0, 1.0), "xmin")),
+        f"{layer.__name__}.body",
+        "'hamer'",
+        "did you mean 'hammer'?",
+    )
 
 
 @pytest.mark.parametrize(
@@ -313,7 +328,9 @@ def test_initial_state_that_the_space_cannot_hold():
 # --- time step ----------------------------------------------------------------------------------------------------
 def test_fixed_time_step_above_the_limit():
     sim = bar(integrator=MUSL(dt=0.13))  # h / c = 0.125 s
-    with pytest.raises(mpm.StabilityError, match=r"fixed dt = 0\.13 s is above the stable limit 0\.125 s at step 0.*body 'bar'.*dt <= 0\.1 s"):
+    with pytest.raises(
+        mpm.StabilityError, match=r"fixed dt = 0\.13 s is above the stable limit 0\.125 s at step 0.*body 'bar'.*dt <= 0\.1 s"
+    ):
         sim.run(until=1.0, quiet=True)
     assert sim.step_number == 0
     assert bar(integrator=MUSL(dt=0.12)).run(until=0.12, quiet=True) is not None

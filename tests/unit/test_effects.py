@@ -118,7 +118,9 @@ def test_damping_of_rigid_motion(space):
 
 def test_strong_damping_limits_the_time_step():
     sim = falling("plane strain", integrator=lambda t, dt: MUSL(t), v=(0.1, 0.0))[1]
-    damped = simulation(grid("plane strain"), mpm.Body(box("plane strain", 0.75, 1.0), RUBBER, (0.1, 0.0)), Damping(1e4), integrator=MUSL(cfl=0.4))
+    damped = simulation(
+        grid("plane strain"), mpm.Body(box("plane strain", 0.75, 1.0), RUBBER, (0.1, 0.0)), Damping(1e4), integrator=MUSL(cfl=0.4)
+    )
     assert sim.compose().limit.dt > 1e-2 > 1e-4
     run(damped, 4e-4)
     assert damped.step_number >= 10
@@ -162,7 +164,9 @@ def test_work_of_artificial_viscosity_is_in_the_ledger(space):
     def crash(dt, *effects):
         g = grid(space)
         v = tuple("-0.8*tanh(50*(x - 1))" if a == 0 else 0.0 for a in range(g.dim))
-        body = mpm.Body(box(space, 0.5, 1.5) if space != "3D" else mpm.Box((0.5, 0.75, 0.75), (1.5, 1.0, 1.0)), RUBBER, v, particles_per_cell=2**g.dim)
+        body = mpm.Body(
+            box(space, 0.5, 1.5) if space != "3D" else mpm.Box((0.5, 0.75, 0.75), (1.5, 1.0, 1.0)), RUBBER, v, particles_per_cell=2**g.dim
+        )
         return run(simulation(g, body, *effects, shape=Linear(), integrator=MUSL(dt=dt)), 0.05).history
 
     coarse, fine = (crash(dt, ArtificialViscosity(linear=0.5, quadratic=2.0)) for dt in (5e-3, 2.5e-3))
@@ -221,7 +225,15 @@ def test_weight_on_the_ground(shape):
     """A column at rest under its weight: with damping it carries rho g (H - x) to 5 % of rho g H (pinned: eight particles)."""
     law = LinearElastic(E=100.0, nu=0.0, rho=1.0)
     body = mpm.Body(mpm.Box(0.0, 1.0), law, particles_per_cell=1, name="column")
-    sim = simulation(mpm.Grid(0.0, 1.5, 0.125), body, Wall("xmin", condition="no slip"), Gravity((-1.0,)), Damping(12.0), shape=shape, integrator=MUSL(cfl=0.8))
+    sim = simulation(
+        mpm.Grid(0.0, 1.5, 0.125),
+        body,
+        Wall("xmin", condition="no slip"),
+        Gravity((-1.0,)),
+        Damping(12.0),
+        shape=shape,
+        integrator=MUSL(cfl=0.8),
+    )
     run(sim, 1.2)
     p = sim.particles("column")
     weight = p["m"].sum() * 1.0

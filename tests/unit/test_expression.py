@@ -22,7 +22,10 @@ FORMULAS = [
     ("1 if 0.2 < t <= 0.5 else 0", lambda x, y, t: 1.0 if 0.2 < t <= 0.5 else 0.0),
     ("max(x, y, t) - min(x, -y) + abs(-x)", lambda x, y, t: max(x, y, t) - min(x, -y) + abs(x)),
     ("exp(-x**2) * sqrt(y + 3) / (1 + log(t + 2))", lambda x, y, t: math.exp(-(x**2)) * math.sqrt(y + 3) / (1 + math.log(t + 2))),
-    ("2**x * (y + 2)**-2 + tanh(+t) * cos(x) * tan(y/3)", lambda x, y, t: 2**x / (y + 2) ** 2 + math.tanh(t) * math.cos(x) * math.tan(y / 3)),
+    (
+        "2**x * (y + 2)**-2 + tanh(+t) * cos(x) * tan(y/3)",
+        lambda x, y, t: 2**x / (y + 2) ** 2 + math.tanh(t) * math.cos(x) * math.tan(y / 3),
+    ),
     ("1e-3 + .5 if not (x < 0 or y < 0 and t != 1) else -x**2", lambda x, y, t: 0.501 if not (x < 0 or (y < 0 and t != 1)) else -(x**2)),
 ]
 POINTS = [(-0.7, 0.4, 0.3), (0.9, -0.8, 0.5), (0.25, 0.25, 1.0), (1.5, 0.1, 0.05)]

@@ -19,7 +19,12 @@ RNG_SEED = 20240605
 SQUARE = mpm.Box((0, 0), (1, 1))
 CUBE = mpm.Box((0, 0, 0), (1, 1, 1))
 TRIANGLE = mpm.Polygon([(0, 0), (1, 0), (0, 1)])
-STAR = mpm.Polygon([(math.cos(k * math.pi / 5) * (1.0 if k % 2 == 0 else 0.4), math.sin(k * math.pi / 5) * (1.0 if k % 2 == 0 else 0.4)) for k in range(10)])
+STAR = mpm.Polygon(
+    [
+        (math.cos(k * math.pi / 5) * (1.0 if k % 2 == 0 else 0.4), math.sin(k * math.pi / 5) * (1.0 if k % 2 == 0 else 0.4))
+        for k in range(10)
+    ]
+)
 STAR_AREA = 10 * 0.5 * 1.0 * 0.4 * math.sin(math.pi / 5)
 
 EXACT = [
@@ -158,7 +163,14 @@ def test_one_dimension_takes_plain_numbers():
 
 
 def test_polygon_with_a_dent():
-    x = np.array([(0.9, 0.0), (0.41, 0.0), (0.35 * math.cos(math.pi / 5), 0.35 * math.sin(math.pi / 5)), (0.7 * math.cos(math.pi / 5), 0.7 * math.sin(math.pi / 5))])
+    x = np.array(
+        [
+            (0.9, 0.0),
+            (0.41, 0.0),
+            (0.35 * math.cos(math.pi / 5), 0.35 * math.sin(math.pi / 5)),
+            (0.7 * math.cos(math.pi / 5), 0.7 * math.sin(math.pi / 5)),
+        ]
+    )
     np.testing.assert_array_equal(STAR.contains(x), [True, True, True, False])
 
 

@@ -16,7 +16,12 @@ def test_scalars_make_a_line():
 
 @pytest.mark.parametrize(
     ("lower", "coordinates", "space"),
-    [((0,), "cartesian", "1D"), ((0, 0), "cartesian", "plane strain"), ((0, 0), "axisymmetric", "axisymmetric"), ((0, 0, 0), "cartesian", "3D")],
+    [
+        ((0,), "cartesian", "1D"),
+        ((0, 0), "cartesian", "plane strain"),
+        ((0, 0), "axisymmetric", "axisymmetric"),
+        ((0, 0, 0), "cartesian", "3D"),
+    ],
 )
 def test_space_is_one_of_the_four(lower, coordinates, space):
     from mpmkit.interfaces import SPACES

@@ -108,7 +108,7 @@ def test_usl_is_bounded_by_its_limit():
     """The disturbance stays of its size; without the limit the body is torn apart already in free flight."""
     assert trembling(USL(cfl=0.4)) < 2e-6
     assert trembling(MUSL(cfl=0.4)) < 2e-6
-    with pytest.raises(mpm.StabilityError, match="particle . of body 'body'"):
+    with pytest.raises(mpm.StabilityError, match="energy was created|left the domain|inverted"):
         trembling(USL(cfl=0.4, limit=0.0))
 
 
@@ -176,7 +176,13 @@ def test_steps_land_on_their_target_without_a_tiny_one():
 def test_time_step_is_that_of_the_fastest_body():
     slow, fast = LinearElastic(E=1.0, nu=0.0, rho=1.0), LinearElastic(E=100.0, nu=0.0, rho=1.0)
     g = mpm.Grid(0.0, 4.0, 0.25, lateral="stress")
-    sim = simulation(g, mpm.Body(mpm.Box(0.5, 1.5), slow, 0.5, name="slow"), mpm.Body(mpm.Box(2.0, 3.0), fast, 2.0, name="fast"), shape=Linear(), integrator=MUSL(cfl=0.3))
+    sim = simulation(
+        g,
+        mpm.Body(mpm.Box(0.5, 1.5), slow, 0.5, name="slow"),
+        mpm.Body(mpm.Box(2.0, 3.0), fast, 2.0, name="fast"),
+        shape=Linear(),
+        integrator=MUSL(cfl=0.3),
+    )
     text = str(sim.explain())
     assert "body 'fast'" in text and "c + |v| = 12 m/s" in text and f"dt = {0.3 * 0.25 / 12:.4g} s" in text
     run(sim, 0.05)

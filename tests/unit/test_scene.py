@@ -531,6 +531,6 @@ def test_junk_anywhere_is_a_scene_error_or_a_scene(data):
     try:
         sim = scene.loads(json.dumps(tree), format="json")
     except SceneError as error:
-        assert "Traceback" not in str(error)
+        assert "Traceback" not in str(error)  # noqa: PT017  (either outcome is allowed, this one must be readable)
     else:
         assert same(scene.loads(scene.dumps(sim)), sim)

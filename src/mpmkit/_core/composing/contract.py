@@ -125,6 +125,12 @@ def _check_stored(c: Composition) -> None:
         raise CompositionError(
             f"{name} does not offer contact: {type(c.contact).__name__} works between MPM bodies; leave it out or use MPM"
         )
+    for layer in c.layers.values():
+        if layer.constrain is not None and not layer.bilateral:
+            raise CompositionError(
+                f"{name} holds the nodes that stand on a face at the start, it does not look for bodies that come or go: "
+                f"{type(layer).__name__} with separation needs MPM. Use Symmetry, or Wall(..., condition='no slip')"
+            )
     if c.sim.shape is not None or c.sim.integrator is not None:
         raise CompositionError(f"{name} brings its own shape functions and time integration; leave shape and integrator out")
 
@@ -134,8 +140,8 @@ def _check_consistent(c: Composition) -> None:
         raise CompositionError("mass='consistent' does not work with contact, which acts on lumped nodes; use mass='lumped'")
     if c.transfer is not None and (c.transfer.passes > 1 or c.transfer.affine != "none"):
         raise CompositionError(
-            f"mass='consistent' does not work with {type(c.transfer).__name__}, whose affine or filtered velocities would come from nodes that no "
-            "particle determines; use FLIP or PIC, or mass='lumped'"
+            f"mass='consistent' does not work with {type(c.transfer).__name__}, whose affine or filtered velocities would come "
+            "from nodes that no particle determines; use FLIP or PIC, or mass='lumped'"
         )
     if "remap" not in c.verbs:
         raise CompositionError(

@@ -42,6 +42,9 @@ class GridOperator:
             lower = loop.along("lower", a)
             inv_h = loop.along("inv_h", a)
             special = {"f": f"xi{a} - T(i{a})"}
+            if not shape.smooth:
+                # A particle on a node exactly would give its neighbour a force but no mass to carry it: momentum would be lost.
+                special["f"] = f"min(max({special['f']}, edge), T({self.nodes - 1}) - edge)"
             if shape.particle_size != "none":
                 kept = c.keeps_size and not loop.first
                 half = f"{loop.field('size_now' if kept else 'size')}[{a}] * {inv_h}"

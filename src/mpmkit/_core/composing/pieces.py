@@ -243,6 +243,10 @@ def strain(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, 
     loop.have.add("L")
     loop.line(f"if not ({loop.field('J')} > zero):  # inverted, or not a number")
     loop.line("    flag[0] = p")
+    if c.shape is not None and c.shape.particle_size == "current":
+        for a in range(dim):
+            loop.line(f"if {loop.field('size')}[{a}] * F[{4 * a}] * {loop.along('inv_h', a)} > T({c.shape.max_half!r}):")
+            loop.line("    flag[2] = p")
 
 
 def stress(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:

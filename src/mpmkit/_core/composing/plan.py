@@ -294,6 +294,13 @@ def _mass_matrix(loop: ParticleLoop, layout: NodeLayout, operator: Any) -> str:
     )
 
 
+def _edge(c: Composition) -> list[str]:
+    """How near a particle may come to a node of a kinked shape function, in cells."""
+    if c.shape is None or c.shape.smooth:
+        return []
+    return [f"edge = T({64.0 * float(np.finfo(c.sim.precision).eps)!r})"]
+
+
 def _header(c: Composition, names: Names) -> str:
     # Only kinds of components: their values are run-time parameters and do not belong to the text.
     sim = c.sim
@@ -315,5 +322,5 @@ def _header(c: Composition, names: Names) -> str:
     ]
     for name, f in names.functions.items():
         lines.append(f"    {name} = {f.__module__}.{f.__qualname__}")
-    lines += ['"""', "", "from math import floor, sqrt", "", "zero, one = T(0), T(1)", "", "", ""]
+    lines += ['"""', "", "from math import floor, sqrt", "", "zero, one = T(0), T(1)", *_edge(c), "", "", ""]
     return "\n".join(lines)

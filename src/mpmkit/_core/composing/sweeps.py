@@ -175,7 +175,8 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
     special = {"normal": "(normals[j, 0], normals[j, 1], normals[j, 2])"}
     inner = []
     hooks = [kernel for kernel in (layer.constrain, layer.hold, layer.rub) if kernel is not None]
-    if any("x" in _needs(layer, k, dim) for k in hooks):
+    accelerations = [effect for effect in c.effects.values() if effect.acceleration is not None and channel == "v"]
+    if any("x" in _needs(layer, k, dim) for k in hooks) or any("x" in _needs(e, e.acceleration, dim) for e in accelerations):
         inner.append(f"x = {sweep.position('i')}")
         special["x"] = "x"
 
@@ -188,9 +189,10 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         return sweep.call("hold", layer.hold, role, None, special | {"v": source})
 
     def rubbed(before: str) -> list[str]:
-        """Friction on ``new``, by the normal impulse that the particles feel: with FLIP, what the condition took from v_old presses on nothing."""
+        """Friction on ``new``, by the normal impulse that the particles feel."""
         if layer.rub is None:
             return []
+        # with FLIP, what the condition took from v_old presses on nothing
         text = ["n = " + special["normal"], "dv_n = -(" + " + ".join(f"reaction{a} * n[{a}]" for a in range(dim)) + ") / m"]
         text.append(f"rubbed = {sweep.call('rub', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
         text += [f"drag{a} = m * (rubbed[{a}] - new[{a}])" for a in range(dim)]
@@ -217,6 +219,16 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         inner += [f"reaction{a} = m * (new[{a}] - trial[{a}] - {share} * (old[{a}] - raw[{a}]))" for a in range(dim)]
         inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + old[{a}])" for a in range(dim)))
         inner += rubbed("old")
+        # the momentum update took the work of accelerations with velocities that this layer has just changed
+        for effect_role, effect in c.effects.items():
+            if effect in accelerations and effect.acceleration is not None:
+                call = sweep.call(
+                    "acceleration", effect.acceleration, effect_role, None, {"v": "raw"} | {k: v for k, v in special.items() if k == "x"}
+                )
+                inner.append(f"{effect_role}_a = {call}")
+                change = " + ".join(f"{effect_role}_a[{a}] * (trial[{a}] - new[{a}] + raw[{a}] - old[{a}])" for a in range(dim))
+                sign, account_of = ("+", "effects") if effect.work == "dissipated" else ("-", "external")
+                inner.append(f"{account_of} {sign}= m * dt * ({change})")
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v", dim, "new")
     elif channel == "v_old":
@@ -241,6 +253,9 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
     account = channel in ("v", "v_old")
     header = ["boundary, friction = 0.0, 0.0"] if account else []
     tail = ["work[2] += 0.5 * boundary", "work[3] += 0.5 * friction"] if account else []
+    if accelerations:
+        header.append("external, effects = 0.0, 0.0")
+        tail += ["work[0] += 0.5 * external", "work[1] += 0.5 * effects"]
     if account or channel == "v_smooth":
         header += [f"impulse{a} = 0.0" for a in range(dim)]
         tail += [f"work[{IMPULSE + a}] += impulse{a}" for a in range(dim)]

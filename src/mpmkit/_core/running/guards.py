@@ -29,7 +29,7 @@ def check(engine: Engine) -> None:
 def _explain(engine: Engine) -> None:
     body = int(np.argmax(engine.flags.max(axis=1) >= 0))
     store, flag = engine.stores[body], engine.flags[body]
-    particle = int(flag[1] if flag[1] >= 0 else flag[0])
+    particle = int(flag[1] if flag[1] >= 0 else flag[0] if flag[0] >= 0 else flag[2])
     x, v = store.get("x")[particle], store.get("v")[particle]
     J = float(store.get("J")[particle])
     if not (np.isfinite(x).all() and np.isfinite(v).all()):
@@ -45,6 +45,11 @@ def _explain(engine: Engine) -> None:
                 "enlarge the grid, or put a Wall or Symmetry on that face",
             )
         )
+    if flag[0] < 0:
+        shape = engine.c.shape
+        assert shape is not None
+        reason = f"it has been stretched to more than {2 * shape.max_half:g} cells, farther than {type(shape).__name__} reaches"
+        raise StabilityError(_where(engine, body, particle, reason, "raise reach, use more particles per cell, or a coarser grid"))
     reason = "J = det F is not a number (NaN)" if not np.isfinite(J) else f"the material is inverted, J = {J:.4g} <= 0"
     raise StabilityError(_where(engine, body, particle, reason, _cfl(engine)))
 
