@@ -33,9 +33,10 @@ class FrictionalContact(mpm.ContactAlgorithm):
 
     The impulse acts only if the bodies approach each other by more than their gap would allow in the step, so that
     contact does not begin a cell too early and a slow rebound does not stick; a tangential impulse of at most
-    friction times the normal one opposes sliding. Momentum is conserved exactly. The normal is
-    that of the two surfaces, or their mean, along which the bodies are farthest apart, and the gap is measured between
-    the particles' faces along it: good to a fraction of a cell on curved bodies; where two corners meet, contact may begin up to half a cell early.
+    friction times the normal one opposes sliding. Momentum is conserved exactly. The normal is that of one of the two
+    surfaces, or their mean, along which the bodies are farthest apart, and the gap is measured between the particles'
+    faces along it: good to a fraction of a cell on curved bodies; where two corners meet, contact may begin up to half a
+    cell early.
     """
 
     references = (

@@ -68,7 +68,7 @@ def test_source_is_a_plain_function_with_a_name_of_its_own():
     source = formula.source()
     assert source == formula.function().source == Expression(" 10*sin(2*pi*t) ").source()
     space = {"sin": math.sin, "pi": math.pi}
-    exec(source, space)  # noqa: S102
+    exec(source, space)
     (name,) = [n for n in space if n.startswith("formula_")]
     assert space[name](0.125) == 10.0 * math.sin(2.0 * math.pi * 0.125)
     assert Expression("10*sin(2*pi*t)+0").source() != source
