@@ -1,9 +1,10 @@
 """A rubber ball is thrown onto a rough floor, flattens, and bounces off with spin.
 
-The ball falls under gravity while it flies forward, without spin. In the impact its underside slides all the time, so Coulomb's
-law ties the two impulses together, whatever the ball is made of: it loses friction times as much forward momentum as the
-floor gives it upward, and this impulse at the distance R makes it spin. Duration and peak of the contact force
-follow Hertz's theory of a sphere on a rigid plane within a few percent at eight cells per radius,
+The ball falls under gravity while it flies forward, without spin. In the impact its underside slides, so Coulomb's law ties the
+two impulses together, whatever the ball is made of: it loses friction times as much forward momentum as the floor gives it
+upward (hardly less: in places the vibrating underside sticks for a moment), and this impulse at the distance R makes it spin.
+Duration and peak of the contact force follow Hertz's theory of a sphere on a rigid plane within a few percent at eight cells
+per radius,
 
     d = (15 m v^2 / (16 sqrt(R) E*))^(2/5),  peak = 5/4 m v^2 / d,  duration = 2.94 d / v,  E* = E / (1 - nu^2)
 
@@ -24,7 +25,7 @@ from mpmkit.integrators import MUSL
 from mpmkit.materials import NeoHookean
 from mpmkit.shapes import GIMP
 
-R, DROP, FORWARD, FRICTION, G = 0.1, 0.1, 2.5, 0.2, 9.81
+R, DROP, FORWARD, FRICTION, G = 0.1, 0.1, 3.0, 0.2, 9.81
 RUBBER = NeoHookean(E=1e6, nu=0.3, rho=1000.0)
 SPEED = np.sqrt(2 * G * DROP)  # of the fall at the floor
 DEPTH = (15 * (4 / 3 * np.pi * R**3 * RUBBER.rho) * SPEED**2 * (1 - RUBBER.nu**2) / (16 * np.sqrt(R) * RUBBER.E)) ** 0.4
@@ -35,7 +36,7 @@ EXACT = {"duration": 1.0, "peak force": 1.0, "impulse along / up": FRICTION, "sp
 
 def scene(cells):
     """A ball with so many cells along its radius."""
-    grid = mpm.Grid(lower=(0.0, 0.0, 0.0), upper=(1.1, 0.3, 0.4), spacing=R / cells)
+    grid = mpm.Grid(lower=(0.0, 0.0, 0.0), upper=(1.2, 0.3, 0.4), spacing=R / cells)
     sim = mpm.Simulation(grid, shape=GIMP(), integrator=MUSL(), until=0.3)
     sim += mpm.Body(mpm.Sphere(center=(0.15, 0.15, R + DROP), radius=R), RUBBER, v=(FORWARD, 0.0, 0.0), name="ball", conserve="volume")
     sim += Wall("zmin", friction=FRICTION), Gravity((0.0, 0.0, -G))
@@ -80,7 +81,7 @@ def spin(frame):
 def check(n):
     cell = 1 / n["cells along the radius"]  # the grid feels the floor about a cell too early
     assert abs(n["duration"] - 1) < 0.8 * cell and abs(n["peak force"] - 1) < 0.8 * cell
-    assert abs(n["impulse along / up"] / FRICTION - 1) < 0.02  # Coulomb, sliding all the time
+    assert 0.98 * FRICTION < n["impulse along / up"] < 1.001 * FRICTION  # Coulomb
     assert 0.9 < n["spin"] < 1.02  # of a rigid ball; this one is flattened, so the arm is shorter
     assert 0.8 < n["rise"] < 1.0
     assert n["lowest particle"] > 0.0 and n["energy balance"] < 0.005
@@ -88,14 +89,16 @@ def check(n):
 
 def draw(results, path):
     """The ball cut open at three instants in one picture, and the force of the floor beside Hertz's."""
+    import matplotlib.pyplot as plt
     from scipy.integrate import solve_ivp
 
-    frames = [results.at(t) for t in (0.0, 0.15, 0.29)]
+    plt.style.use(plotting.HERE / "look.mplstyle")
+    frames = [results.at(t) for t in (0.0, 0.15, 0.28)]
     behind = [frame["x"][:, 1] > 0.15 for frame in frames]
     fields = ("x", "stress", "body", "V0")
     together = {name: np.concatenate([f[name][far] for f, far in zip(frames, behind, strict=True)]) for name in fields}
     strobe = mpm.Results.in_memory([(0.0, 0, together)], {}, results.bodies, meta=results.meta)
-    figure = strobe.plot("stress", window=((0, 1.1), (0, 0.3), (0, 0.35)), azimuth=-66, elevation=16)
+    figure = strobe.plot("stress", window=((0, 1.2), (0, 0.3), (0, 0.35)), azimuth=-66, elevation=16)
     figure.axes[0].set_title("the ball, cut open, at " + ", ".join(f"{frame.time:.2f}" for frame in frames) + " s")
 
     figure.set_size_inches(9.2, 6.4)

@@ -196,7 +196,8 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         text = ["n = " + special["normal"], "dv_n = -(" + " + ".join(f"reaction{a} * n[{a}]" for a in range(dim)) + ") / m"]
         text.append(f"rubbed = {sweep.call('rub', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
         text += [f"drag{a} = m * (rubbed[{a}] - new[{a}])" for a in range(dim)]
-        text.append("friction -= " + " + ".join(f"drag{a} * (rubbed[{a}] + {before}[{a}])" for a in range(dim)))
+        # The slip is that of the particles around the node, not the node's own, which may creep while they rest.
+        text.append("friction -= " + " + ".join(f"drag{a} * T(2) * {before}[{a}]" for a in range(dim)))
         return text + [f"reaction{a} += drag{a}" for a in range(dim)] + ["new = rubbed"]
 
     if channel == "v":
