@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 import mpmkit
-from mpmkit._core.composing import cache, sweeps
+from mpmkit._core.composing import cache, conditions, meeting, sweeps
 from mpmkit._core.composing.composition import Composition, Group
 from mpmkit._core.composing.fingerprint import fingerprint
 from mpmkit._core.composing.jit import Linker, compiled
@@ -18,6 +18,7 @@ from mpmkit._core.composing.operators import GridOperator, StoredOperator
 from mpmkit._core.composing.pieces import PIECES
 from mpmkit._core.composing.schedule import Phase, Schedule, schedule
 from mpmkit._core.composing.source import Names, Parameters, ParticleLoop
+from mpmkit._core.composing.sweep import Sweep, value_arguments
 from mpmkit._core.composing.writer import fused_function, particle_function
 from mpmkit.fields import PARTICLE_FIELDS
 
@@ -90,8 +91,8 @@ def make_plan(c: Composition) -> Plan:
         names.of("det", tensor.det)
         return ParticleLoop(c, group_parameters[group.name], names, group)
 
-    def sweep() -> sweeps.Sweep:
-        return sweeps.Sweep(c, node_parameters, names, layout)
+    def sweep() -> Sweep:
+        return Sweep(c, node_parameters, names, layout)
 
     done: set[str] = set()
     channel = {"strain": plan_steps.strain_channel, "u": "u", "u_next": "u_next"}
@@ -104,11 +105,11 @@ def make_plan(c: Composition) -> Plan:
     for group in c.groups:
         texts += [_initial(loop(group), layout, operator), _ledger(loop(group), layout, operator)]
         if c.contact is not None:
-            texts.append(sweeps.reach_function(loop(group), layout, operator, f"reach_{group.name}"))
+            texts.append(meeting.reach_function(loop(group), layout, operator, f"reach_{group.name}"))
         if getattr(c.integrator, "mass", "lumped") == "consistent":
             texts.append(_mass_matrix(loop(group), layout, operator))
     if plan_steps.contact_channels:
-        texts.append(sweeps.contact_functions(sweep(), list(dict.fromkeys(plan_steps.contact_channels))))
+        texts.append(meeting.contact_functions(sweep(), list(dict.fromkeys(plan_steps.contact_channels))))
     text = _header(c, names) + "\n\n\n".join(t.rstrip("\n") for t in texts) + "\n"
     from mpmkit._core.composing import jit
 
@@ -138,11 +139,11 @@ def _phase_texts(
         for g in c.groups:
             one = loop(g)
             one.in_middle = False
-            out.append((f"{phase.name}_{g.name}", sweeps.load(one, layout, operator, phase.role, f"{phase.name}_{g.name}")))
+            out.append((f"{phase.name}_{g.name}", conditions.load(one, layout, operator, phase.role, f"{phase.name}_{g.name}")))
         return out
     if phase.kind == "boundary":
         on_old = (phase.channel == "v" and not has_velocity) or (phase.channel == "v" and c.stored_operator)
-        return [(phase.name, sweeps.boundary(sweep(), phase.role, phase.channel, on_old, phase.name))]
+        return [(phase.name, conditions.boundary(sweep(), phase.role, phase.channel, on_old, phase.name))]
     if phase.kind == "nodes":
         if phase.name in ("momentum", "start_momentum"):
             return [(phase.name, sweeps.momentum(sweep(), has_velocity, phase.name))]
@@ -176,11 +177,11 @@ def _particle_fields(c: Composition) -> None:
                 kernel = getattr(effect, hook)
                 for name in kernel.arguments if kernel is not None else ():
                     asked.setdefault(name, []).append(role)
-                    for more in sweeps._value_arguments(effect, name, c.dim):
+                    for more in value_arguments(effect, name, c.dim):
                         asked.setdefault(more, []).append(role)
         for role, layer in c.layers.items():
             for name in layer.load.arguments if layer.load is not None else ():
-                for one in (name, *sweeps._value_arguments(layer, name, c.dim)):
+                for one in (name, *value_arguments(layer, name, c.dim)):
                     asked.setdefault(one, []).append(role)
         if c.reference:
             asked.setdefault("F", []).append(type(c.discretization).__name__)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmkit._core.composing.sweeps import FORCE, IMPULSE
+from mpmkit._core.composing.sweep import FORCE, IMPULSE
 from mpmkit._core.running.engine import Engine
 from mpmkit.errors import CompositionError
 

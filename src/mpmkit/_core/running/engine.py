@@ -10,7 +10,7 @@ import numpy as np
 
 from mpmkit._core.composing.plan import LEDGER, Plan
 from mpmkit._core.composing.schedule import Phase, Schedule
-from mpmkit._core.composing.sweeps import WORK
+from mpmkit._core.composing.sweep import WORK
 from mpmkit._core.running.contact import ContactPairs
 from mpmkit._core.running.store import BodyStore
 

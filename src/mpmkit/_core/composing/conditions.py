@@ -1,0 +1,151 @@
+"""Text of boundary layers: conditions on lists of nodes, loads of layers of particles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmkit._core.composing.layout import NodeLayout
+from mpmkit._core.composing.pieces import node
+from mpmkit._core.composing.source import ParticleLoop
+from mpmkit._core.composing.sweep import IMPULSE, Sweep, assign, list_arguments, needs_of, vector
+from mpmkit._core.composing.writer import particle_function
+
+
+def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> str:
+    """One boundary layer on its list of nodes: constrain (and rub) the velocities of `channel`; keep its account if it is ``v``."""
+    c, layout, dim = sweep.composition, sweep.layout, sweep.dim
+    layer = c.layers[role]
+    assert layer.constrain is not None
+    small = sweep.smallest_mass()
+    lines = ["i = nodes[j]", f"k = i * {layout.size}", f"m = {node(layout, 'm')}", f"if m > {small}:"]
+    special = {"normal": "(normals[j, 0], normals[j, 1], normals[j, 2])"}
+    inner = []
+    hooks = [kernel for kernel in (layer.constrain, layer.hold, layer.rub) if kernel is not None]
+    accelerations = [effect for effect in c.effects.values() if effect.acceleration is not None and channel == "v"]
+    if any("x" in needs_of(layer, k, dim) for k in hooks) or any("x" in needs_of(e, e.acceleration, dim) for e in accelerations):
+        inner.append(f"x = {sweep.position('i')}")
+        special["x"] = "x"
+
+    def constrained(source: str) -> str:
+        assert layer.constrain is not None
+        return sweep.call("constrain", layer.constrain, role, None, special | {"v": source})
+
+    def held(source: str) -> str:
+        assert layer.hold is not None
+        return sweep.call("hold", layer.hold, role, None, special | {"v": source})
+
+    def rubbed(before: str) -> list[str]:
+        """Friction on ``new``, by the normal impulse that the particles feel."""
+        if layer.rub is None:
+            return []
+        # with FLIP, what the condition took from v_old presses on nothing
+        text = ["n = " + special["normal"], "dv_n = -(" + " + ".join(f"reaction{a} * n[{a}]" for a in range(dim)) + ") / m"]
+        text.append(f"rubbed = {sweep.call('rub', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
+        text += [f"drag{a} = m * (rubbed[{a}] - new[{a}])" for a in range(dim)]
+        # The slip is that of the particles around the node, not the node's own, which may creep while they rest.
+        text.append("friction -= " + " + ".join(f"drag{a} * T(2) * {before}[{a}]" for a in range(dim)))
+        return text + [f"reaction{a} += drag{a}" for a in range(dim)] + ["new = rubbed"]
+
+    if channel == "v":
+        inner += [f"raw = {vector(layout, 'v_old', dim)}"]
+        if on_old and layer.hold is None:
+            inner += [f"old = {constrained('raw')}", *assign(layout, "v_old", dim, "old")]
+        else:
+            inner += ["old = raw"]
+        inner += [f"trial = {vector(layout, 'v', dim)}", f"new = {constrained('trial')}"]
+        if layer.hold is not None:
+            # Decided once, by the trial velocity: a wall that stops a node after letting it go before would do work on it.
+            inner += [
+                "if new != trial:",
+                f"    old, new = {held('raw')}, {held('trial')}",
+                *assign(layout, "v_old", dim, "old"),
+            ]
+        # Reaction: what the particles gain beyond the forces. FLIP takes up v - v_old, PIC all of v, so the part of the
+        # momentum that the condition on v_old removed counts for the share of PIC only.
+        share = sweep.parameter("flip_share", lambda roles: flip_share(roles.get("transfer")))
+        inner += [f"reaction{a} = m * (new[{a}] - trial[{a}] - {share} * (old[{a}] - raw[{a}]))" for a in range(dim)]
+        inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + old[{a}])" for a in range(dim)))
+        inner += rubbed("old")
+        # the momentum update took the work of accelerations with velocities that this layer has just changed
+        for effect_role, effect in c.effects.items():
+            if effect in accelerations and effect.acceleration is not None:
+                call = sweep.call(
+                    "acceleration", effect.acceleration, effect_role, None, {"v": "raw"} | {k: v for k, v in special.items() if k == "x"}
+                )
+                inner.append(f"{effect_role}_a = {call}")
+                change = " + ".join(f"{effect_role}_a[{a}] * (trial[{a}] - new[{a}] + raw[{a}] - old[{a}])" for a in range(dim))
+                sign, account_of = ("+", "effects") if effect.work == "dissipated" else ("-", "external")
+                inner.append(f"{account_of} {sign}= m * dt * ({change})")
+        inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
+        inner += assign(layout, "v", dim, "new")
+    elif channel == "v_old":
+        # Before the strain. The particles feel it as far as their new velocities contain the old ones of the grid.
+        inner += [f"raw = {vector(layout, 'v_old', dim)}", f"new = {constrained('raw')}"]
+        if layer.hold is not None:
+            inner += ["if new != raw:", f"    new = {held('raw')}"]
+        felt = sweep.parameter("grid_share", lambda roles: grid_share(roles.get("transfer")))
+        inner += [f"reaction{a} = {felt} * m * (new[{a}] - raw[{a}])" for a in range(dim)]
+        inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + raw[{a}])" for a in range(dim)))
+        inner += rubbed("raw")
+        inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
+        inner += assign(layout, "v_old", dim, "new")
+    else:
+        inner.append(f"new = {constrained(vector(layout, channel, dim))}")
+        if layer.hold is not None:
+            inner += [f"now = {vector(layout, 'v', dim)}", f"if {held('now')} == now:", f"    new = {held(vector(layout, channel, dim))}"]
+        if channel == "v_smooth":
+            inner += [f"impulse{a} += m * (new[{a}] - {node(layout, channel, a)})" for a in range(dim)]
+        inner += assign(layout, channel, dim, "new")
+    lines += [f"    {line}" for line in inner]
+    account = channel in ("v", "v_old")
+    header = ["boundary, friction = 0.0, 0.0"] if account else []
+    tail = ["work[2] += 0.5 * boundary", "work[3] += 0.5 * friction"] if account else []
+    if accelerations:
+        header.append("external, effects = 0.0, 0.0")
+        tail += ["work[0] += 0.5 * external", "work[1] += 0.5 * effects"]
+    if account or channel == "v_smooth":
+        header += [f"impulse{a} = 0.0" for a in range(dim)]
+        tail += [f"work[{IMPULSE + a}] += impulse{a}" for a in range(dim)]
+    doc = f"Nodes: {layer.summary()} ({channel})"
+    return sweep.body(name, doc.replace('"', "'"), list_arguments(c), [*header, "for j in range(nodes.size):"], lines, tail)
+
+
+def grid_share(transfer: object) -> float:
+    """How much of the particle velocity comes from the velocity of the grid before the update (0 for FLIP, 1 for PIC, APIC and XPIC)."""
+    return _response(transfer, {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 1.0}) if transfer is not None else 0.0
+
+
+def flip_share(transfer: object) -> float:
+    """How much of the particle velocity comes from the change of the grid velocity (1 for FLIP and XPIC, 0 for PIC and APIC)."""
+    if transfer is None:
+        return 0.0
+    return 1.0 - _response(transfer, {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 0.0})
+
+
+def _response(transfer: Any, given: dict[str, float]) -> float:
+    """What the transfer makes of these velocities; it is linear in them."""
+    return float(transfer.velocity(*(given[n] if n in given else float(getattr(transfer, n)) for n in transfer.velocity.arguments)))
+
+
+def load(loop: ParticleLoop, layout: NodeLayout, operator: object, role: str, name: str) -> str:
+    """Scatter the loads of a layer of particles: f_i += force (N_i + arm . grad N_i)."""
+    c, dim = loop.composition, loop.dim
+    layer = c.layers[role]
+    assert layer.load is not None
+    loop.needs |= {"w", "g"}
+    for field in ("x", "size", "size_now", "F"):
+        if field == "x" or (c.shape is not None and field in loop.group.layout.fields):
+            loop.field(field)
+    special = {
+        "area": "area[j]",
+        "normal": "(normals[j, 0], normals[j, 1], normals[j, 2])",
+        "arm0": "(arms[j, 0], arms[j, 1], arms[j, 2])",
+    }
+    call = loop.call("load", layer.load, role, loop.group, special)
+    loop.line(f"force, arm = {call}")
+    factor = "w" + "".join(f" + arm[{b}] * g{b}" for b in range(dim))
+    loop.scatter.append(f"s = {factor}")
+    for a in range(dim):
+        loop.scatter += [f"{node(layout, 'v', a)} += s * force[{a}]", f"{node(layout, 'f_ext', a)} += s * force[{a}]"]
+
+    return particle_function(loop, layout, operator, name, f"Loads of {layer.summary()}", chosen=True)
