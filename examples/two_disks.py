@@ -71,6 +71,7 @@ def main(quick=False, picture=None):
 
 def check(n):
     # The bands are those of published and independent codes with this grid; energy and momentum are the method's own merit.
+    # That of the first contact is ours: it moves from 1.19 to 1.31 s as the fall that counts grows from 0.05 to 1 %.
     assert abs(n["kinetic energy at the start"] / n["half its mass times the speed squared"] - 1) < 1e-12
     assert 1.20 < n["contact felt at"] < 1.28
     assert 0.02 < n["lowest kinetic energy"] < 0.07 and 1.93 <= n["lowest at"] <= 2.05

@@ -42,11 +42,11 @@ class Geometry:
     @property
     def dim(self) -> int:
         """Number of space dimensions."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} must define dim")
 
     def bounds(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Lower and upper corner of a box around the shape [m]; infinite where the shape is."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} must define bounds()")
 
     def depth(self, x: Array) -> Array:
         """Signed distance below the surface [m] of the points float64[n, dim], float64[n].
@@ -55,7 +55,7 @@ class Geometry:
         changes by no more than the distance between two points; both bounds survive min, max and change of sign, so that
         combinations of shapes keep them.
         """
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} must define depth(x)")
 
     def moments(self) -> Moments | None:
         """Measure and first moments where a closed form exists, else None."""

@@ -64,12 +64,12 @@ class Discretization(Component):
 
     def nodes_per_point(self, dim: int) -> int:
         """For ``operator = "stored"``: length of the neighbour lists."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} must define nodes_per_point(dim)")
 
     def mesh(self, grid: Any, body: Any) -> StoredPoints:
         """For ``operator = "stored"``: nodes, points and their operators for one body."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} must define mesh(grid, body)")
 
     def step(self, s: Recipe) -> None:
         """Write one step as a sequence of verbs."""
-        raise NotImplementedError
+        raise NotImplementedError(f"{type(self).__name__} must define step(s)")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import types
 import typing
 from typing import Any
 
@@ -49,11 +48,6 @@ def parts_in(hint: Any) -> list[type]:
     if is_part(hint):
         return [hint]
     return [part for argument in typing.get_args(hint) for part in parts_in(argument)]
-
-
-def is_union(hint: Any) -> bool:
-    """Whether `hint` is ``A | B`` or ``Optional[A]``."""
-    return typing.get_origin(hint) in (typing.Union, types.UnionType)
 
 
 def holds_parts(value: Any) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from mpmkit._core.composing.composition import Composition
 from mpmkit._core.composing.layout import NodeLayout
 from mpmkit._core.composing.pieces import node
@@ -55,7 +57,7 @@ class Sweep(Text):
             rest = f"({rest}) % lat[{3 + a}]"
         return f"({', '.join(parts + ['zero'] * (3 - self.dim))})"
 
-    def body(self, name: str, doc: str, arguments: str, header: list[str], lines: list[str], tail: list[str] = []) -> str:  # noqa: B006
+    def body(self, name: str, doc: str, arguments: str, header: list[str], lines: list[str], tail: Sequence[str] = ()) -> str:
         text = ["@compiled", f"def {name}({arguments}, par, lat, work, t, dt):", f'    """{doc}"""', *self.parameter_lines()]
         return (
             "\n".join(
