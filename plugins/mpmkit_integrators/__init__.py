@@ -3,6 +3,7 @@
 import mpmkit as mpm
 from mpmkit_integrators.apic import APIC
 from mpmkit_integrators.flip import FLIP
+from mpmkit_integrators.mls import MLS
 from mpmkit_integrators.musl import MUSL
 from mpmkit_integrators.pic import PIC
 from mpmkit_integrators.tpic import TPIC
@@ -14,4 +15,4 @@ from mpmkit_integrators.xpic import XPIC
 @mpm.hookimpl
 def mpmkit_components():
     """Return the integrators and transfers of this plugin."""
-    return [APIC, FLIP, MUSL, PIC, TPIC, USF, USL, XPIC]
+    return [APIC, FLIP, MLS, MUSL, PIC, TPIC, USF, USL, XPIC]

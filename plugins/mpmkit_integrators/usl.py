@@ -29,9 +29,9 @@ class USL(mpm.ExplicitIntegrator):
         s.momentum()
         s.contact()
         s.boundary()
-        s.g2p()
         if self.limit > 0.0:
             s.limit(self.limit)
+        s.g2p()
         s.advect()
         s.strain()
         s.stress()

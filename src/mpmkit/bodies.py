@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mpmkit._core.sampling import lattice_points, lattice_side
+from mpmkit._core.sampling import estimated_count, lattice_points, lattice_side
 from mpmkit.errors import CompositionError, ParameterError
 from mpmkit.geometry import Geometry, PointCloud
 from mpmkit.grid import Grid
@@ -171,7 +171,18 @@ class Body:
         }
         self._check_deformation(values["F"])
         v = values["v"]
-        return Points(x, V0, size, np.zeros_like(x) if v is None else v, values["F"], values["stress"])
+        return Points(x, V0, size, np.broadcast_to(0.0, x.shape) if v is None else v, values["F"], values["stress"])
+
+    def estimated_count(self, grid: Grid) -> int:
+        """About how many particles `sample` would make, to some percent, in no time and memory."""
+        if grid.dim != self.geometry.dim:
+            return 0  # `sample` refuses it
+        if isinstance(self.geometry, PointCloud):
+            return len(self.geometry.x)
+        return estimated_count(self.geometry, grid, self._side(grid), self.lattice, self.label)
+
+    def _side(self, grid: Grid) -> int:
+        return lattice_side(2**grid.dim if self.particles_per_cell is None else self.particles_per_cell, grid.dim)
 
     def _of_cloud(self, grid: Grid, cloud: PointCloud) -> tuple[Array, Array, Array]:
         outside = np.flatnonzero(~grid.contains(cloud.x))
@@ -189,14 +200,13 @@ class Body:
         return cloud.x, cloud.V, rings.half_edges()
 
     def _on_lattice(self, grid: Grid) -> tuple[Array, Array, Array]:
-        side = lattice_side(2**grid.dim if self.particles_per_cell is None else self.particles_per_cell, grid.dim)
-        x, step = lattice_points(self.geometry, grid, side, self.lattice, self.label)
-        V0 = np.full(len(x), step.prod())
+        x, step = lattice_points(self.geometry, grid, self._side(grid), self.lattice, self.label)
+        V0 = np.broadcast_to(step.prod(), len(x))  # equal values take no memory
         if grid.space == "axisymmetric":
             V0 = V0 * 2.0 * np.pi * x[:, 0]  # exact for a ring of rectangular section, by Pappus's theorem
         if self.conserve == "volume":
             V0 = V0 * (self._exact_volume(grid) / V0.sum())
-        return x, V0, np.tile(0.5 * step, (len(x), 1))
+        return x, V0, np.broadcast_to(0.5 * step, x.shape)
 
     def _exact_volume(self, grid: Grid) -> float:
         moments = self.geometry.moments()

@@ -91,7 +91,7 @@ def initial_values(value: Any, x: Array, shape: tuple[int, ...], path: str) -> A
         array = np.asarray(value, dtype=np.float64)
         if array.ndim == len(shape) + 1 and len(array) != n:
             raise ParameterError(f"{path}: {len(array)} rows were given for {n} particles")
-    out = np.array(np.broadcast_to(array, (n, *shape)))
+    out = np.broadcast_to(np.array(array), (n, *shape))  # one value for all takes the memory of one
     bad = np.flatnonzero(~np.isfinite(out).reshape(n, -1).all(axis=1))
     if len(bad):
         raise ParameterError(

@@ -34,7 +34,9 @@ class Record:
     compress: bool = parameter(
         "gzip the frames: about a fifth smaller, ten times slower to write", default=False, example=False, kw_only=True
     )
-    checkpoint: bool = parameter("write a checkpoint with each frame, to resume from", default=True, example=True, kw_only=True)
+    checkpoint: bool = parameter(
+        "write checkpoints to resume from: at frames and every minute, 2 % of the time at most", default=True, example=True, kw_only=True
+    )
 
     def __attrs_post_init__(self) -> None:
         suffix = Path(self.path).suffix

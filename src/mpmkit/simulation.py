@@ -128,11 +128,19 @@ class Simulation:
         return f"body{next(k for k, b in enumerate(self.bodies) if b is body) + 1}"
 
     # --- what it does -------------------------------------------------------------------------------------------
-    def explain(self) -> Explanation:
-        """The step that will run: phases, who contributes what, fields and why, time-step rule, generated file."""
+    def explain(self, *, measure: bool = False) -> Explanation:
+        """The step that will run: phases and loops, who contributes what, fields and why, time-step rule, generated file.
+
+        Parameters
+        ----------
+        measure : bool
+            Also what each phase and each effect, contact and boundary layer costs at the present state, which takes some seconds
+            for each of them; see `Explanation.measure`.
+        """
         from mpmkit.explanation import Explanation
 
-        return Explanation(self.compose())
+        explanation = Explanation(self.compose())
+        return explanation.measure() if measure else explanation
 
     def compose(self) -> Run:
         """Check, sample the bodies, generate the step; done once."""
@@ -144,7 +152,7 @@ class Simulation:
                 warnings.warn(text, stacklevel=2)
         return self._run
 
-    def run(self, until: float | str | None = None, *, quiet: bool = False) -> Results:
+    def run(self, until: float | str | None = None, *, quiet: bool = False, threads: int | None = None) -> Results:
         """Run to a simulated time; a second call continues from where the first ended.
 
         Parameters
@@ -153,6 +161,9 @@ class Simulation:
             Simulated time [s] or text with a unit; the simulation's own `until` if not given.
         quiet : bool
             No progress on the terminal.
+        threads : int, optional
+            How many threads step; results are the same to the bit for any number. If not given, the environment variable
+            ``MPMKIT_THREADS``, else one thread for every 20,000 particles, at most one for each core.
 
         Returns
         -------
@@ -163,6 +174,8 @@ class Simulation:
         ------
         StabilityError
             Names particle, body, step, time and rule; the last good state is kept, on disk if there is a record.
+        CompositionError
+            If parts of the simulation do not fit together, or there are fewer cores than threads are asked for.
         ResultsError
             If results exist and may not be overwritten, or cannot be written.
         """
@@ -172,7 +185,7 @@ class Simulation:
         if not self._until_given:
             self.until = end  # a scene saved from here on says how far it ran
         run = self.compose()
-        run.to(end, quiet=quiet)
+        run.to(end, quiet=quiet, threads=threads)
         return self._results(run)
 
     def _results(self, run: Run) -> Results:

@@ -29,6 +29,11 @@ def example(cls: type, **given: Any) -> Any:
     return cls(**(example_arguments(cls) | given))
 
 
+def fits(transfer: Any, shape: Any) -> bool:
+    """Whether these may be composed: gradients from moments need three nodes in each direction."""
+    return transfer.gradient == "shape" or shape.nodes > 2
+
+
 def grid(space: str, cells: int = 8, h: float = 0.25, lower: float = 0.0) -> mpm.Grid:
     """A domain of equal sides; the axisymmetric one begins at r = 1, away from the axis."""
     dim = {"1D": 1, "3D": 3}.get(space, 2)

@@ -70,7 +70,7 @@ def test_what_presses_on_a_wall(integrator, transfer):
         assert sim.compose().momentum_error() < 1e-12, wall
     slip = along["Wall(faces=('ymin',), condition=slip)"]
     assert abs(slip - 0.5) < 1e-12 and abs(along["Symmetry(faces=('ymin',))"] - 0.5) < 1e-12
-    assert along["Wall(faces=('ymin',), friction=0)"] == slip
+    assert abs(along["Wall(faces=('ymin',), friction=0)"] - slip) < 1e-14  # momentum and forces are summed apart where there is friction
     assert along["Wall(faces=('ymin',))"] < along["Wall(faces=('ymin',), friction=0.3)"] < 0.4 + 0.1
     assert along["Wall(faces=('ymin',), condition=no slip)"] < 0.4
 

@@ -316,14 +316,14 @@ def simulation(monkeypatch):
 def test_run_hands_its_options_on(call, simulation):
     made = simulation("a.vtkhdf")
     assert call("run", "x.toml", "--until", "3 ms", "--output", "b.vtkhdf", "--overwrite") == (0, "results: b.vtkhdf\n", "")
-    assert made.calls == [{"until": 0.003, "quiet": False}]
+    assert made.calls == [{"until": 0.003, "quiet": False, "threads": None}]
     assert made.records == [mpmkit.Record("b.vtkhdf", overwrite=True)]
 
 
 def test_run_quietly_without_options_changes_nothing(call, simulation):
     made = simulation("a.vtkhdf")
     assert call("run", "x.toml", "--quiet") == (0, "", "")
-    assert made.calls == [{"quiet": True}]
+    assert made.calls == [{"quiet": True, "threads": None}]
     assert made.records == [mpmkit.Record("a.vtkhdf")]
 
 

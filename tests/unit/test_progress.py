@@ -72,6 +72,19 @@ def test_the_summary_keeps_compiling_apart(clock):
     assert "/very/long/path/" + 20 * "deep/" + "disks.vtkhdf" in text, "a path is printed whole"
 
 
+def test_the_share_of_writing_is_shown_once_there_is_some(clock):
+    out = io.StringIO()
+    reporter = Reporter(1.0, 5000, stream=out)
+    with reporter.compiling():
+        clock.now += 60.0
+    for k in range(1, 101):
+        clock.now += 0.4
+        reporter.update(k, k / 100, 0.01, writing=0.02 * k)
+    assert "ETA 30.0 s  writing 5.0%" in out.getvalue().splitlines()[2]
+    reporter.finish(writing=2.2)
+    assert "writing 2.2 s (5.5%)" in " ".join(out.getvalue().split())
+
+
 def test_a_resumed_run_counts_only_its_own_steps(clock):
     out = io.StringIO()
     reporter = Reporter(2.0, 1000, stream=out, start_time=1.0, start_step=100)

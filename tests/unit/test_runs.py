@@ -143,7 +143,7 @@ def test_kill_in_mid_run_and_resume(tmp_path):
     disks(whole).run(until=UNTIL, quiet=True)
     printed, _ = again.communicate()
     assert again.returncode == 0
-    assert 35 <= int(printed) < 600
+    assert 30 <= int(printed) < 600  # a frame at step 35 was there, and so the checkpoint of the one before
     same_files(path, whole)
     ends = [checkpoint.load(p.with_suffix(".ckpt.h5")) for p in (path, whole)]
     assert ends[0][1]["t"] == UNTIL

@@ -90,3 +90,10 @@ def test_largest_eigenvalue(M):
     size = np.linalg.norm(M)
     double = min(np.diff(wanted)) < 1e-6 * size
     assert tensor.largest_eigenvalue(six(M)) == pytest.approx(wanted[-1], abs=(1e-8 if double else 1e-14) * size)
+
+
+def test_cosine_of_a_third():
+    """Rounding: 4e-16, what it promises."""
+    r = np.concatenate([np.linspace(-1.0, 1.0, 1001), 1.0 - np.logspace(-16, -1, 100), np.logspace(-16, -1, 100) - 1.0])
+    wanted = np.cos(np.arccos(r.astype(np.longdouble)) / 3)
+    assert np.abs(np.array([tensor.cosine_of_a_third(float(v)) for v in r]) - wanted).max() < 4e-16

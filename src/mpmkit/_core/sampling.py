@@ -12,8 +12,9 @@ from mpmkit.geometry import Geometry
 from mpmkit.grid import Grid
 
 Array = NDArray[np.float64]
-_CHUNK = 1 << 20  # candidate points that are tested at once, to bound memory
+_CHUNK = 1 << 17  # candidate points that are tested at once, to bound memory
 _SLACK = 1e-9  # in lattice spacings
+_PROBES = (1024, 128, 32)  # points along an edge of the box around a shape, in 1D, 2D and 3D, from which its particles are estimated
 
 
 def lattice_side(particles_per_cell: int, dim: int) -> int:
@@ -52,16 +53,7 @@ def lattice_points(geometry: Geometry, grid: Grid, side: int, lattice: str, labe
         Distance between them along each axis [m].
     """
     lower, upper = _finite_bounds(geometry, grid, label)
-    step = np.asarray(grid.spacing) / side
-    if lattice == "grid":
-        base = np.asarray(grid.lower)
-        first = np.ceil((lower - base) / step - 0.5 - _SLACK)
-        counts = np.floor((upper - base) / step - 0.5 + _SLACK) - first + 1.0
-    else:
-        extent = np.maximum(upper - lower, 0.0)
-        counts = np.maximum(np.round(extent / step), 1.0)
-        step = np.where(extent > 0.0, extent / counts, step)
-        base, first = lower, np.zeros(grid.dim)
+    base, first, counts, step = _lattice(lower, upper, grid, side, lattice)
     if (counts >= 1).all():
         ticks = [b + (k + 0.5 + np.arange(int(n))) * d for b, k, n, d in zip(base, first, counts, step, strict=True)]
         x = _inside(geometry, ticks)
@@ -75,6 +67,30 @@ def lattice_points(geometry: Geometry, grid: Grid, side: int, lattice: str, labe
         )
     _check_inside_domain(x, grid, label)
     return x, step
+
+
+def estimated_count(geometry: Geometry, grid: Grid, side: int, lattice: str, label: str) -> int:
+    """About how many points `lattice_points` would give: few of them tell which share of the box around the shape is inside."""
+    lower, upper = _finite_bounds(geometry, grid, label)
+    _, _, counts, _ = _lattice(lower, upper, grid, side, lattice)
+    if (counts < 1).any():
+        return 0
+    few = np.minimum(counts, _PROBES[grid.dim - 1])
+    ticks = [low + (np.arange(int(n)) + 0.5) * ((high - low) / n) for low, high, n in zip(lower, upper, few, strict=True)]
+    points = np.stack(np.meshgrid(*ticks, indexing="ij"), axis=-1).reshape(-1, grid.dim)
+    return round(math.prod(counts) * float(np.mean(geometry.contains(points))))
+
+
+def _lattice(lower: Array, upper: Array, grid: Grid, side: int, lattice: str) -> tuple[Array, Array, Array, Array]:
+    """Origin of the lattice, number of its first point, numbers of points and distances between them, along each axis."""
+    step = np.asarray(grid.spacing) / side
+    if lattice == "grid":
+        base = np.asarray(grid.lower)
+        first = np.ceil((lower - base) / step - 0.5 - _SLACK)
+        return base, first, np.floor((upper - base) / step - 0.5 + _SLACK) - first + 1.0, step
+    extent = np.maximum(upper - lower, 0.0)
+    counts = np.maximum(np.round(extent / step), 1.0)
+    return lower, np.zeros(grid.dim), counts, np.where(extent > 0.0, extent / counts, step)
 
 
 def _finite_bounds(geometry: Geometry, grid: Grid, label: str) -> tuple[Array, Array]:

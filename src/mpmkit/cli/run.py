@@ -15,14 +15,17 @@ from mpmkit.errors import SceneError
 @click.option("--until", type=Quantity("s", "end time", positive=True), metavar="TIME", help='End time in seconds, or text such as "3 ms".')
 @click.option("--output", type=click.Path(), metavar="PATH", help="Result file, instead of the one that the scene names.")
 @click.option("--overwrite", is_flag=True, help="Replace existing results.")
+@click.option(
+    "--threads", type=int, metavar="N", help="Threads that step; by default MPMKIT_THREADS, or chosen by the number of particles."
+)
 @click.option("--quiet", is_flag=True, help="Show no progress.")
-def run(scene: str, until: float | None, output: str | None, overwrite: bool, quiet: bool) -> None:
+def run(scene: str, until: float | None, output: str | None, overwrite: bool, threads: int | None, quiet: bool) -> None:
     """Run SCENE (.toml or .json), show progress and write the results that it records."""
     from mpmkit.scene import load
 
     simulation = load(scene)
     redirect(simulation, output, overwrite)
-    simulation.run(**({} if until is None else {"until": until}), quiet=quiet)
+    simulation.run(**({} if until is None else {"until": until}), quiet=quiet, threads=threads)
     if not quiet:
         for record in simulation.records:
             click.echo(f"results: {record.path}")

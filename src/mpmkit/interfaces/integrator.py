@@ -24,6 +24,9 @@ class Transfer(Component):
     affine : str
         "none", "moment" (C = B D^-1 from the first moment, APIC) or "gradient" (C = grad v, TPIC): the particle
         carries C and maps v + C (x_i - x_p) to the nodes.
+    gradient : str
+        "shape" (forces and strains with the slopes of the shape functions) or "moment" (with N_i (x_i - x_p) D^-1, the
+        gradient of a moving-least-squares fit; then affine must be "moment").
     passes : int
         XPIC: number of times the velocity passes between particles and grid; 1 for all others.
     """
@@ -31,6 +34,7 @@ class Transfer(Component):
     kind: ClassVar[str] = "transfer"
     velocity: ClassVar[Kernel]
     affine: ClassVar[str] = "none"
+    gradient: ClassVar[str] = "shape"
     passes: int = 1
 
     @classmethod

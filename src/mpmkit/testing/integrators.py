@@ -107,6 +107,8 @@ def transfer_facts(transfer: Transfer, rng: Any) -> None:
     """``affine`` and ``passes``."""
     name = type(transfer).__name__
     expect(transfer.affine in ("none", "moment", "gradient"), f"{name}.affine is {transfer.affine!r}")
+    expect(transfer.gradient in ("shape", "moment"), f"{name}.gradient is {transfer.gradient!r}")
+    expect(transfer.gradient == "shape" or transfer.affine == "moment", f"{name} takes gradients from moments it does not carry")
     expect(transfer.passes >= 1, f"{name}.passes is {transfer.passes}")
     expect(
         "v_smooth" not in transfer.velocity.arguments or transfer.passes > 1, f"{name} asks for v_smooth, which exists for passes > 1 only"

@@ -79,10 +79,31 @@ class Composition:
         return any(layer.load is not None for layer in self.layers.values())
 
     @property
+    def softens(self) -> bool:
+        """The affine matrix is formed with velocities limited at light nodes, where kinked shape functions have full slopes."""
+        return self.shape is not None and not self.shape.smooth and self.transfer is not None and self.transfer.affine != "none"
+
+    @property
     def limits_velocities(self) -> bool:
         """Velocities are reduced at nodes with little mass: by the recipe, or for the affine matrix with kinked shape functions."""
-        kinked = self.shape is not None and not self.shape.smooth and self.transfer is not None and self.transfer.affine != "none"
-        return self.fraction > 0.0 or kinked
+        return self.fraction > 0.0 or self.softens
+
+    @property
+    def merges(self) -> bool:
+        """Momentum and forces go to the nodes as one sum, m v + dt f: nothing in the scene asks for the velocity before the update.
+
+        FLIP, XPIC, contact, damping, friction and velocities limited at light nodes do. So does the work of accelerations
+        that differ from place to place; that of a uniform one is the same, because internal forces add up to zero.
+        """
+        t = self.transfer
+        if t is None or self.stored_operator or self.contact is not None or self.loaded or self.limits_velocities:
+            return False
+        if set(t.velocity.arguments) & {"dv_grid", "v_smooth"} or t.passes > 1 or getattr(self.integrator, "mass", "lumped") != "lumped":
+            return False
+        one_sum = t.affine == "none" or t.gradient == "moment"  # else a channel would have terms with slopes and with distances
+        local = any(e.body_force is not None or _varies(e, self.dim) for e in self.effects.values())
+        rubs = any(layer.rub is not None for layer in self.layers.values())
+        return one_sum and not local and not rubs and self.verbs[:3] == ["p2g", "forces", "momentum"]
 
     def roles(self, material: ConstitutiveModel | None = None) -> dict[str, Component]:
         """Components by role; the generated names are made from the roles."""
@@ -91,6 +112,15 @@ class Composition:
 
     def group_of(self, body: int) -> Group:
         return next(g for g in self.groups if body in g.bodies)
+
+
+def _varies(effect: Effect, dim: int) -> bool:
+    """Whether an acceleration depends on place or velocity."""
+    if effect.acceleration is None:
+        return False
+    from mpmkit._core.composing.sweep import needs_of
+
+    return bool(needs_of(effect, effect.acceleration, dim) & {"x", "v"})
 
 
 def law(material: ConstitutiveModel, bar: bool) -> dict[str, Kernel]:

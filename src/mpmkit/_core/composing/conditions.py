@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from mpmkit._core.composing.layout import NodeLayout
-from mpmkit._core.composing.pieces import node
+from mpmkit._core.composing.layout import LANES
+from mpmkit._core.composing.operators import StoredOperator
 from mpmkit._core.composing.source import ParticleLoop
-from mpmkit._core.composing.sweep import IMPULSE, Sweep, assign, list_arguments, needs_of, vector
-from mpmkit._core.composing.writer import particle_function
+from mpmkit._core.composing.sweep import IMPULSE, Sweep, assign, needs_of, node, vector
 
 
 def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> str:
@@ -46,7 +45,29 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         text.append("friction -= " + " + ".join(f"drag{a} * T(2) * {before}[{a}]" for a in range(dim)))
         return text + [f"reaction{a} += drag{a}" for a in range(dim)] + ["new = rubbed"]
 
-    if channel == "v":
+    def work_taken_back(raw: str, trial: str, old: str, new: str) -> list[str]:
+        """The momentum update took the work of accelerations with velocities that this layer has just changed."""
+        text = []
+        for effect_role, effect in c.effects.items():
+            if effect in accelerations and effect.acceleration is not None:
+                given = {"v": raw} | {k: v for k, v in special.items() if k == "x"}
+                text.append(f"{effect_role}_a = {sweep.call('acceleration', effect.acceleration, effect_role, None, given)}")
+                change = " + ".join(f"{effect_role}_a[{a}] * ({trial}[{a}] - {new}[{a}] + {raw}[{a}] - {old}[{a}])" for a in range(dim))
+                sign, account_of = ("+", "effects") if effect.work == "dissipated" else ("-", "external")
+                text.append(f"{account_of} {sign}= m * dt * ({change})")
+        return text
+
+    if channel == "v" and c.merges:
+        # What nodes press on is all that the particles take up: there is no velocity before the update.
+        inner += [f"trial = {vector(layout, 'v', dim)}", f"new = {constrained('trial')}"]
+        if layer.hold is not None:
+            inner += ["if new != trial:", f"    new = {held('trial')}"]
+        inner += [f"reaction{a} = m * (new[{a}] - trial[{a}])" for a in range(dim)]
+        inner.append("boundary += T(2) * (" + " + ".join(f"reaction{a} * new[{a}]" for a in range(dim)) + ")")
+        inner += work_taken_back("trial", "trial", "new", "new")
+        inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
+        inner += assign(layout, "v", dim, "new")
+    elif channel == "v":
         inner += [f"raw = {vector(layout, 'v_old', dim)}"]
         if on_old and layer.hold is None:
             inner += [f"old = {constrained('raw')}", *assign(layout, "v_old", dim, "old")]
@@ -66,16 +87,7 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         inner += [f"reaction{a} = m * (new[{a}] - trial[{a}] - {share} * (old[{a}] - raw[{a}]))" for a in range(dim)]
         inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + old[{a}])" for a in range(dim)))
         inner += rubbed("old")
-        # the momentum update took the work of accelerations with velocities that this layer has just changed
-        for effect_role, effect in c.effects.items():
-            if effect in accelerations and effect.acceleration is not None:
-                call = sweep.call(
-                    "acceleration", effect.acceleration, effect_role, None, {"v": "raw"} | {k: v for k, v in special.items() if k == "x"}
-                )
-                inner.append(f"{effect_role}_a = {call}")
-                change = " + ".join(f"{effect_role}_a[{a}] * (trial[{a}] - new[{a}] + raw[{a}] - old[{a}])" for a in range(dim))
-                sign, account_of = ("+", "effects") if effect.work == "dissipated" else ("-", "external")
-                inner.append(f"{account_of} {sign}= m * dt * ({change})")
+        inner += work_taken_back("raw", "trial", "old", "new")
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v", dim, "new")
     elif channel == "v_old":
@@ -107,7 +119,7 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         header += [f"impulse{a} = 0.0" for a in range(dim)]
         tail += [f"work[{IMPULSE + a}] += impulse{a}" for a in range(dim)]
     doc = f"Nodes: {layer.summary()} ({channel})"
-    return sweep.body(name, doc.replace('"', "'"), list_arguments(c), [*header, "for j in range(nodes.size):"], lines, tail)
+    return sweep.over_list(name, doc.replace('"', "'"), "G, nodes, normals", [*header, "for j in range(nodes.size):"], lines, tail)
 
 
 def grid_share(transfer: object) -> float:
@@ -127,25 +139,36 @@ def _response(transfer: Any, given: dict[str, float]) -> float:
     return float(transfer.velocity(*(given[n] if n in given else float(getattr(transfer, n)) for n in transfer.velocity.arguments)))
 
 
-def load(loop: ParticleLoop, layout: NodeLayout, operator: object, role: str, name: str) -> str:
-    """Scatter the loads of a layer of particles: f_i += force (N_i + arm . grad N_i)."""
-    c, dim = loop.composition, loop.dim
+def load(loop: ParticleLoop, operator: Any, role: str, name: str) -> str:
+    """Scatter the loads of a layer of particles: f_i += force (N_i + arm . grad N_i), one particle after the other."""
+    c, dim, layout = loop.composition, loop.dim, loop.nodes
     layer = c.layers[role]
     assert layer.load is not None
-    loop.needs |= {"w", "g"}
-    for field in ("x", "size", "size_now", "F"):
-        if field == "x" or (c.shape is not None and field in loop.group.layout.fields):
-            loop.field(field)
     special = {
         "area": "area[j]",
         "normal": "(normals[j, 0], normals[j, 1], normals[j, 2])",
         "arm0": "(arms[j, 0], arms[j, 1], arms[j, 2])",
     }
     call = loop.call("load", layer.load, role, loop.group, special)
-    loop.line(f"force, arm = {call}")
+    visit = ["f_" + "xyz"[a] + f" = force[{a}]" for a in range(dim)]
     factor = "w" + "".join(f" + arm[{b}] * g{b}" for b in range(dim))
-    loop.scatter.append(f"s = {factor}")
-    for a in range(dim):
-        loop.scatter += [f"{node(layout, 'v', a)} += s * force[{a}]", f"{node(layout, 'f_ext', a)} += s * force[{a}]"]
-
-    return particle_function(loop, layout, operator, name, f"Loads of {layer.summary()}", chosen=True)
+    if isinstance(operator, StoredOperator):
+        header, pad = operator.points({"w", "g"}, layout), "    "
+        arguments, scratch = "chosen, P, nodes, N, dN, G, par", ""
+        weights: list[str] = []
+    else:
+        for a in range(dim):
+            loop.along("h", a), loop.along("inv_h", a)
+        loop.asks_slopes = True
+        header, pad = operator.nodes_loop(layout)
+        header.append(f"{pad}k = i * {layout.size}")
+        arguments, scratch = "chosen, P, blocks, corner, home, edge, G, par", ", sc, ib"
+        weights = ["block = blocks[j]", *(line.replace("l0, l1", "l, l + 1") for line in operator.prepare(loop))]
+    add = [f"s = {factor}"]
+    for a, one in enumerate("xyz"[:dim]):
+        add += [f"{node(layout, 'v', a)} += s * f_{one}", f"{node(layout, 'f_ext', a)} += s * f_{one}"]
+    lines = ["p = chosen[j]", "tile, l = p >> 4, p & 15", f"b = tile * {loop.group.layout.size * LANES}", *weights, *loop.lines]
+    lines += [f"force, arm = {call}", *visit, *header, *(f"{pad}{line}" for line in add)]
+    doc = f"Loads of {layer.summary()}".replace('"', "'")
+    text = ["@compiled", f"def {name}({arguments}, area, normals, arms{scratch}, t, dt):", f'    """{doc}."""', *loop.parameter_lines()]
+    return "\n".join([*text, "    for j in range(chosen.size):", *(f"        {line}" for line in lines)]) + "\n"

@@ -32,6 +32,7 @@ def check(c: Composition) -> list[str]:
                 f"{type(component).__name__} works in {', '.join(component.precisions)} only, not in {sim.precision}; set "
                 "precision accordingly"
             )
+    _check_moments(c)
     _check_bar(c)
     _check_axis(c)
     _check_layers(c)
@@ -57,6 +58,14 @@ def _check_space(c: Composition, component: Component) -> None:
             f"{type(component).__name__} ({component.kind}) does not work in a grid that is {c.grid.space}; it works in "
             f"{', '.join(component.spaces)}. "
             f"To fix: one of {', '.join(sorted(others)) or 'no other'} , or another grid"
+        )
+
+
+def _check_moments(c: Composition) -> None:
+    if c.transfer is not None and c.transfer.gradient == "moment" and c.shape is not None and c.shape.nodes < 3:
+        raise CompositionError(
+            f"{type(c.transfer).__name__} takes gradients from the moments of the weights, which vanish where a particle lies on a node of "
+            f"{type(c.shape).__name__} (2 nodes in each direction). Use APIC, or a shape function of three nodes or more"
         )
 
 

@@ -19,31 +19,21 @@ def midpoint_increment(L, dt):
 
 
 def exponential_increment(L, dt):
-    """exp(dt L) by a Taylor series of order 8 of dt L / 2^s, |dt L| / 2^s < 1/8, squared s times: error below 1e-13.
+    """exp(dt L) by its diagonal Pade approximant of degree 4, D(A)^-1 D(-A) with D(A) = I - A/2 + 3 A^2/28 - A^3/84 + A^4/1680.
 
-    Below |dt L| = 1e-4 three terms are exact to rounding (and higher powers would underflow in float32).
+    Written as I + D^-1 (D(-A) - D(A)), so that what is rounded is small when dt L is, and many steps do not add up roundings of I.
+
+    Exactly orthogonal for a skew L whatever its size, and of positive determinant up to |dt L| = 5. The relative error is
+    4e-8 |dt L|^9: rounding up to |dt L| = 1/8, 8e-11 at 1/2, 4e-8 at 1 and 2e-5 at 2 (measured). Free of branches, so that loops over
+    particles vectorise, and without powers above the square of a small dt L, which would underflow in float32.
+
+    C. Moler, C. Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, doi:10.1137/S00361445024180, method 2
     """
-    size = dt * (abs(L[0]) + abs(L[1]) + abs(L[2]) + abs(L[3]) + abs(L[4]) + abs(L[5]) + abs(L[6]) + abs(L[7]) + abs(L[8]))
-    if size < 1e-4:
-        A = combine(dt, L, 0.0, IDENTITY)
-        A2 = matmul(A, A)
-        return combine(1.0, combine(1.0, IDENTITY, 1.0, A), 1.0, combine(0.5, A2, 1.0 / 6.0, matmul(A, A2)))
-    squarings = 0
-    while size > 0.125 and squarings < 16:
-        size = 0.5 * size
-        dt = 0.5 * dt
-        squarings += 1
     A = combine(dt, L, 0.0, IDENTITY)
     A2 = matmul(A, A)
-    A4 = matmul(A2, A2)
-    # I + A + A^2/2 + A^3/6 + A^4 (I/24 + A/120 + A^2/720 + A^3/5040 + A^4/40320), with A^3 = A A^2
-    A3 = matmul(A, A2)
-    low = combine(1.0, combine(1.0, IDENTITY, 1.0, A), 1.0, combine(0.5, A2, 1.0 / 6.0, A3))
-    high = combine(1.0, combine(1.0 / 24.0, IDENTITY, 1.0 / 120.0, A), 1.0, combine(1.0 / 720.0, A2, 1.0 / 5040.0, A3))
-    E = combine(1.0, low, 1.0, matmul(A4, combine(1.0, high, 1.0 / 40320.0, A4)))
-    for _ in range(squarings):
-        E = matmul(E, E)
-    return E
+    even = combine(1.0, IDENTITY, 1.0, matmul(A2, combine(3.0 / 28.0, IDENTITY, 1.0 / 1680.0, A2)))
+    odd = matmul(A, combine(0.5, IDENTITY, 1.0 / 84.0, A2))
+    return combine(1.0, IDENTITY, 2.0, matmul(inverse(combine(1.0, even, -1.0, odd)), odd))
 
 
 def first_order_volume_ratio(L, dt):

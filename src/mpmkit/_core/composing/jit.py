@@ -6,6 +6,7 @@ import os
 import sys
 import types
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ import numpy as np
 from mpmkit.kernels import Kernel
 
 # No "nnan" and "ninf": the guards must be able to see a NaN.
-FLAGS: dict[str, Any] = {"fastmath": {"contract", "reassoc", "nsz", "arcp", "afn"}, "error_model": "numpy"}
+# "nogil": results are written by another thread while a loop runs.
+FLAGS: dict[str, Any] = {"fastmath": {"contract", "reassoc", "nsz", "arcp", "afn"}, "error_model": "numpy", "nogil": True}
 
 
 def enabled() -> bool:
@@ -25,9 +27,17 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """Decorator of the loops in a generated module: compiled, and cached on disk beside it."""
     if not enabled():
         return function
-    import numba
+    from mpmkit._core.composing.machine_code import kept
 
-    return numba.njit(cache=True, **FLAGS)(function)  # type: ignore[no-any-return]
+    return kept(function, **FLAGS)  # type: ignore[no-any-return]
+
+
+def sources() -> tuple[str, ...]:
+    """Texts behind every compiled step that no function of its components leads to: vectors and elementary functions."""
+    here = Path(__file__).parent
+    return tuple(
+        (here / f"{name}.py").read_text(encoding="utf-8") for name in ("simd_type", "simd_numba", "simd_numpy", "bits", "elementary")
+    )
 
 
 class Linker:
@@ -36,6 +46,8 @@ class Linker:
     Components are plain functions in the author's file. The linker clones each with its float constants in the
     scene's precision and the functions it calls replaced by their own compiled versions, with explicit flags, so
     that no component inherits options from whoever compiled it first. File, name and line numbers stay the author's.
+    In place of log, exp and pow of the C library they get those of `elementary`. All are compiled into their callers:
+    a call that is left over would keep a loop over particles scalar.
     """
 
     def __init__(self, dtype: type) -> None:
@@ -50,17 +62,21 @@ class Linker:
         if id(function) not in self._made:
             import numba
 
+            from mpmkit._core.composing import elementary
+
+            own = {"fastmath": set(elementary.FLAGS)} if function.__module__ == elementary.__name__ else {}
             self._alive.append(function)
-            self._made[id(function)] = numba.njit(**FLAGS)(self._typed(function))
+            self._made[id(function)] = numba.njit(**FLAGS | own, forceinline=True)(self._typed(function))
         return self._made[id(function)]
 
     def _typed(self, function: types.FunctionType) -> types.FunctionType:
         code = function.__code__
-        scope = {name: self._value(function.__globals__[name]) for name in names_of(code) if name in function.__globals__}
+        names = names_of(code)
+        scope = {name: self._value(function.__globals__[name], names) for name in names if name in function.__globals__}
         # numba's cache finds a function by its module, which must exist in the next process too
         module = function.__module__ if function.__module__ in sys.modules else __name__
         scope |= {"__builtins__": __builtins__, "__name__": module}
-        closure = tuple(types.CellType(self._value(cell.cell_contents)) for cell in function.__closure__ or ())
+        closure = tuple(types.CellType(self._value(cell.cell_contents, names)) for cell in function.__closure__ or ())
         constants = tuple(self._constant(c) for c in code.co_consts)
         clone = types.FunctionType(code.replace(co_consts=constants), scope, function.__name__, function.__defaults__, closure)
         clone.__module__, clone.__qualname__ = module, function.__qualname__
@@ -73,7 +89,16 @@ class Linker:
             return tuple(self._constant(v) for v in value)
         return value
 
-    def _value(self, value: Any) -> Any:
+    def _value(self, value: Any, names: set[str]) -> Any:
+        """What a global name of a function stands for in its clone, which uses the `names` (of a module: as its attributes)."""
+        from mpmkit._core.composing.elementary import REPLACED
+
+        if isinstance(value, types.ModuleType) and value.__name__ in ("math", "mpmkit", "mpmkit.math"):
+            module = types.ModuleType(value.__name__)
+            vars(module).update({name: self._value(vars(value)[name], names) for name in names & set(vars(value))})
+            return module
+        if isinstance(value, types.BuiltinFunctionType):
+            return self(REPLACED[value]) if value in REPLACED else value
         return self(value) if isinstance(plain(value), types.FunctionType) else self._constant(value)
 
 

@@ -60,16 +60,77 @@ class ParticleLayout:
 
 @attrs.define
 class NodeLayout:
-    """Channels of a node's record, in the order they were asked for."""
+    """Channels of a node's record.
+
+    Vectors begin at multiples of 2 (plane) or 4 (space), so that the channels a loop works on can be moved as whole short
+    vectors; a scalar takes the place that a vector leaves over.
+    """
 
     dim: int
     start: dict[str, int] = attrs.field(factory=dict)
     reasons: dict[str, str] = attrs.field(factory=dict)
-    size: int = 0
+    scalars: set[str] = attrs.field(factory=set)
+    _used: int = 0
 
     def add(self, names: Iterable[str], reason: str, *, scalar: bool = False) -> None:
         for name in names:
-            if name not in self.start:
-                self.start[name] = self.size
-                self.reasons[name] = reason
-                self.size += 1 if scalar else self.dim
+            if name in self.start:
+                continue
+            self.reasons[name] = reason
+            align = 1 if scalar else (1, 2, 4)[self.dim - 1]
+            first = -(-self._used // align) * align
+            if scalar:
+                self.scalars.add(name)
+                taken = {s + k for n, s in self.start.items() for k in range(self.width(n))}
+                first = next(k for k in range(first + 1) if k not in taken)
+            self.start[name] = first
+            self._used = max(self._used, first + self.width(name))
+
+    def width(self, name: str) -> int:
+        """Number of components of a channel."""
+        return 1 if name in self.scalars else self.dim
+
+    @property
+    def size(self) -> int:
+        """Numbers in a record: enough for every window."""
+        return _power_of_two(self._used) if self._used > 16 or self.dim == 1 else -(-self._used // 8) * 8
+
+    def window(self, channels: Iterable[str]) -> tuple[int, int]:
+        """First number and length, a power of two, of the part of a record that holds these channels."""
+        spans = [(self.start[n], self.start[n] + self.width(n)) for n in channels]
+        low, high = min(s for s, _ in spans), max(e for _, e in spans)
+        width = _power_of_two(high - low)
+        return max(0, min(low, self.size - width)), width
+
+
+def _power_of_two(n: int) -> int:
+    return max(2, 1 << (n - 1).bit_length())
+
+
+@attrs.frozen
+class Slots:
+    """Numbers of the rows of 16 lanes in a loop's scratch array: the weights of 16 particles first.
+
+    ``w(a, k)`` and ``d(a, k)``: weight and slope along axis a of the particle's k-th node, ``f(a)``: its place in that count.
+    """
+
+    dim: int
+    nodes: int
+
+    def w(self, a: int, k: int) -> int:
+        return a * self.nodes + k
+
+    def d(self, a: int, k: int) -> int:
+        return (self.dim + a) * self.nodes + k
+
+    def f(self, a: int) -> int:
+        return 2 * self.dim * self.nodes + a
+
+    @property
+    def count(self) -> int:
+        return self.dim * (2 * self.nodes + 1)
+
+
+def lane(slot: int) -> str:
+    """Text of a particle's number in a row of the scratch array."""
+    return f"sc[U({LANES * slot} + l)]"

@@ -1,170 +1,200 @@
 """The operators N_ip and G_ip in the text of a particle loop: rebuilt from a grid, or read from neighbour lists.
 
-Everything else of a loop only knows nodes ``i``, weights ``w``, gradients ``g0, g1, g2`` and distances ``r0, r1, r2``.
+A loop runs over blocks of particles, in a block over tiles of 16. An operator supplies what happens before and after a
+block, the sums over the nodes of a tile's particles (into rows of lanes), and the terms added to the nodes (from rows of
+lanes); everything between is the same computation for both.
 """
 
 from __future__ import annotations
 
 from math import ceil
 
+from mpmkit._core.composing import rows, weights
+from mpmkit._core.composing.arena import Arena
+from mpmkit._core.composing.layout import LANES, NodeLayout, Slots, lane
 from mpmkit._core.composing.source import ParticleLoop
 
 
 class GridOperator:
-    """MPM: products over the directions of a shape function's weights at the particle's position."""
+    """MPM: products over the directions of a shape function's weights at the particle's position, through arenas of blocks."""
 
-    arguments = "P, n, G, par, lat, out, flag"
+    arguments = "first, last, P, starts, corner, home, edge, G, par, acc"
+    scratch = "sc, tr, ib, near, far"
+    affine = True
 
-    def __init__(self, nodes: int, offset: float) -> None:
-        self.nodes = nodes
+    def __init__(self, dim: int, nodes: int, offset: float, itemsize: int) -> None:
+        self.dim, self.nodes, self.offset, self.itemsize = dim, nodes, offset, itemsize
         self.ghosts = ceil(offset)  # nodes kept outside the lower faces, whose weights are folded to zero
-        self.offset = offset
+        self.slots = Slots(dim, nodes)
+        self.arena = Arena(dim, nodes)
+        self.functions: dict[str, str] = {}
 
     @property
     def padding(self) -> tuple[int, int]:
         """Nodes stored beyond the lower and the upper face in each direction."""
         return self.ghosts, self.nodes - 2
 
-    def head(self, loop: ParticleLoop) -> list[str]:
-        dim = loop.dim
-        lines = [f"n{a} = lat[{a}]" for a in range(dim)]
-        return lines + [f"s{a} = lat[{3 + a}]" for a in range(dim)]
+    def helper(self, name: str, text: str) -> str:
+        self.functions.setdefault(name, text)
+        return name
 
-    def weights(self, loop: ParticleLoop) -> list[str]:
-        """Lines that compute w0, d0, w1, d1 ...; they run before anything is gathered."""
-        c = loop.composition
-        assert c.shape is not None
-        shape = c.shape
-        name = loop.names.of("weights", shape.weights.function)
-        x = loop.field("x")
-        lines = []
-        for a in range(loop.dim):
-            lower = loop.along("lower", a)
-            inv_h = loop.along("inv_h", a)
-            special = {"f": f"xi{a} - T(i{a})"}
-            if not shape.smooth:
-                # A particle on a node exactly would give its neighbour a force but no mass to carry it: momentum would be lost.
-                special["f"] = f"min(max({special['f']}, edge), T({self.nodes - 1}) - edge)"
-            if shape.particle_size != "none":
-                kept = c.keeps_size and not loop.first
-                half = f"{loop.field('size_now' if kept else 'size')}[{a}] * {inv_h}"
-                special["half"] = f"{half} * {loop.field('F')}[{4 * a}]" if shape.particle_size == "current" and not kept else half
-            arguments = [loop.argument(n, shape, "shape", "weights", special) for n in shape.weights.arguments]
-            lines += [
-                f"xi{a} = ({x}[{a}] - {lower}) * {inv_h}",
-                f"i{a} = min(int(floor(xi{a} - T({self.offset}))), n{a} - 1)",
-                f"w{a}, d{a} = {name}({', '.join(arguments)})",
-                f"if i{a} < 0 or i{a} > n{a} - {self.nodes - 1}:",
-                f"    w{a}, d{a} = fold(w{a}, i{a}, n{a}), fold(d{a}, i{a}, n{a})",
-            ]
-            if loop.needs & {"r", "moment"}:
-                lines.append(f"f{a} = xi{a} - T(i{a})")
-        if "moment" in loop.needs:
-            for a in range(loop.dim):
-                h = loop.along("h", a)
-                lines.append(f"e{a} = moment(w{a}, d{a}, f{a}, {h})")
+    def _window(self, what: str, layout: NodeLayout, channels: list[str]) -> tuple[str, int, int]:
+        """A `fetch` or `flush` for a window of the record, and the window."""
+        first, width = layout.window(channels)
+        name = f"{what}_{first}_{width}"
+        make = self.arena.fetch if what == "fetch" else self.arena.flush
+        return self.helper(name, make(name, layout.size, first, width)), first, width
+
+    def prepare(self, loop: ParticleLoop) -> list[str]:
+        """Lines of a tile that compute the weights."""
+        kept = "_first" if loop.composition.keeps_size and loop.first else ""
+        group, shape = loop.group, loop.composition.shape
+        assert shape is not None
+        slopes = loop.asks_slopes or any(f == "g" for _, f in loop.sums) or any(f[0] == "g" for t in loop.terms.values() for f, _ in t)
+        name = f"weights_{group.name}{kept}{'' if slopes else '_only'}"
+        if name not in self.functions:
+            one = ParticleLoop(loop.composition, loop.parameters, loop.names, group, loop.nodes)
+            one.first = loop.first
+            self.helper(name, weights.weights_function(one, name, self.ghosts, self.arena.side, slopes))
+        lines = [f"{name}(P, tile, l0, l1, corner, block, par, sc, ib)"]
+        if self.nodes > 2:
+            self.helper("fold", weights.fold_rule(self.nodes))
+            two = ParticleLoop(loop.composition, loop.parameters, loop.names, group, loop.nodes)
+            self.helper(f"fold_{group.name}", weights.fold_function(two, self.ghosts))
+            lines += ["if edge[U(block)]:", f"    fold_{group.name}(P, tile, l0, l1, par, sc)"]
         return lines
 
-    def nodes_loop(self, loop: ParticleLoop, channels: int) -> tuple[list[str], str]:
-        """Header lines of the loop over the particle's nodes, and the indentation of its body."""
-        lines, pad = [], ""
-        for a in range(loop.dim):
-            lines.append(f"{pad}for a{a} in range({self.nodes}):")
+    def gather(self, loop: ParticleLoop, layout: NodeLayout, slot: int) -> tuple[list[str], list[str], dict[str, str], int]:
+        """Lines before the tiles, lines of a tile, text of each sum by name, and slots taken."""
+        channels = list(dict.fromkeys(channel for channel, _ in loop.sums))
+        kinds = [f for f in ("k", "g") if any(f == factor for _, factor in loop.sums)]
+        fetch, first, width = self._window("fetch", layout, channels)
+        name = f"gather_{width}{''.join(kinds)}"
+        self.helper(name, rows.gather_function(name, self.slots, self.arena.side, width, kinds, self.itemsize))
+        order = rows.results(self.dim, kinds)
+        S = rows.stride(len(order), width)
+        where = {}
+        for channel, factor in loop.sums:
+            for k, local in enumerate(loop.summed(channel, factor)):
+                a, b = (k, 0) if factor == "w" else divmod(k, self.dim)
+                result = order.index("w" if factor == "w" else f"{factor}{b}")
+                text = lane(slot + result * width + layout.start[channel] - first + a)
+                where[local] = f"{text} * {loop.along('inv_h', b)}" if factor == "g" else text
+        before = [f"{fetch}(near, G, home, block)"]
+        return before, [f"{name}(near, l0, l1, sc, ib, tr)", *rows.transposed(True, slot, S)], where, S
+
+    def scatter(self, loop: ParticleLoop, layout: NodeLayout, slot: int) -> tuple[list[str], list[str], list[str], list[str], int]:
+        """Lines before the tiles, lines of the computation, lines of a tile, lines after the tiles, and slots taken."""
+        flush, first, width = self._window("flush", layout, list(loop.terms))
+        kinds = [""] * width
+        stores: dict[tuple[int, int], list[str]] = {}
+        for channel, parts in loop.terms.items():
+            for (factor, a), texts in parts.items():
+                c = layout.start[channel] - first + a
+                text = " + ".join(texts)
+                if factor == "w":
+                    stores.setdefault((0, c), []).append(text)
+                    continue
+                b, kind = int(factor[1]), "k" if factor[0] == "r" else "g"
+                if text == "zero":
+                    continue
+                assert kinds[c] in ("", kind), f"channel {channel} has terms with slopes and with distances in one loop"
+                kinds[c] = kind
+                if kind == "k":
+                    # N_i (x_i - x_p)_b = h_b (N_i k_b - f_b N_i)
+                    h = loop.along("h", b)
+                    stores.setdefault((1 + b, c), []).append(f"({text}) * {h}")
+                    stores.setdefault((0, c), []).append(f"-({text}) * {h} * {loop.place(b)}")
+                else:
+                    stores.setdefault((1 + b, c), []).append(f"({text}) * {loop.along('inv_h', b)}")
+        name = f"scatter_{width}{''.join(k or '_' for k in kinds) if any(kinds) else ''}"
+        self.helper(name, rows.scatter_function(name, self.slots, self.arena.side, width, kinds, self.itemsize))
+        S = rows.stride(self.dim + 1 if any(kinds) else 1, width)
+        compute = [
+            f"{lane(slot + row * width + c)} = {' + '.join(stores.get((row, c), ['zero']))}"
+            for row in range(self.dim + 1 if any(kinds) else 1)
+            for c in range(width)
+        ]
+        self.helper("clear", CLEAR)
+        before = [f"clear(far, {self.arena.size * width})"]
+        tile = [*rows.transposed(False, slot, S), f"{name}(far, l0, l1, sc, ib, tr)"]
+        return before, compute, tile, [f"{flush}(far, G, home, block)"], S
+
+    def nodes_loop(self, layout: NodeLayout) -> tuple[list[str], str]:
+        """A loop over the nodes of one particle (lane l of a tile), for the few particles that meet special nodes: i, w, g and r."""
+        self.helper("node_of", self.arena.node_of())
+        lines, pad, A, dim = [], "", self.arena.side, self.dim
+        for a in range(dim):
+            lines.append(f"{pad}for j{a} in range({self.nodes}):")
             pad += "    "
-        index = " + ".join(f"(i{a} + a{a} + {self.ghosts}) * s{a}" for a in range(loop.dim))
-        lines.append(f"{pad}k = ({index}) * {channels}")
-        product = " * ".join(f"w{a}[a{a}]" for a in range(loop.dim))
-        if loop.needs & {"w", "moment"}:
-            lines.append(f"{pad}w = {product}")
-        if "g" in loop.needs:
-            for b in range(loop.dim):
-                factors = " * ".join(f"{'d' if a == b else 'w'}{a}[a{a}]" for a in range(loop.dim))
-                inv_h = loop.along("inv_h", b)
-                lines.append(f"{pad}g{b} = {factors} * {inv_h}")
-        if "r" in loop.needs:
-            for b in range(loop.dim):
-                h = loop.along("h", b)
-                lines.append(f"{pad}r{b} = (T(a{b}) - f{b}) * {h}")
-        if "moment" in loop.needs:
-            for b in range(loop.dim):
-                factors = " * ".join(f"{'e' if a == b else 'w'}{a}[a{a}]" for a in range(loop.dim))
-                lines.append(f"{pad}e_{b} = {factors}")
+        index = " + ".join(f"j{a} * {A ** (dim - 1 - a)}" for a in range(dim))
+        lines.append(f"{pad}i = node_of(home, block, int(ib[U(l)]) + {index})")
+
+        def of(slot: int, a: int) -> str:
+            return f"sc[U({LANES * slot} + {LANES} * j{a} + l)]"
+
+        w = [of(self.slots.w(a, 0), a) for a in range(dim)]
+        lines.append(f"{pad}w = {' * '.join(w)}")
+        for b in range(dim):
+            factors = [of(self.slots.d(a, 0), a) if a == b else w[a] for a in range(dim)]
+            lines.append(f"{pad}g{b} = {' * '.join(factors)} * inv_h{b}")
+            lines.append(f"{pad}r{b} = (T(j{b}) - {lane(self.slots.f(b))}) * h{b}")
         return lines, pad
-
-    def helpers(self, moment: bool) -> list[str]:
-        """Functions of the generated module that the loops call: `fold`, and `moment` if a transfer needs it."""
-        k_all = range(self.nodes)
-
-        def row(factors: list[list[int]]) -> str:
-            terms = []
-            for k in k_all:
-                parts = [f"T({f}) * w[{j}]" if f != 1 else f"w[{j}]" for j, f in enumerate(factors[k]) if f]
-                terms.append(" + ".join(parts) or "zero")
-            return f"({', '.join(terms)})"
-
-        def identity() -> list[list[int]]:
-            return [[int(j == k) for j in k_all] for k in k_all]
-
-        lines = [
-            "@compiled",
-            "def fold(w, i, n):",
-            '    """Nodes outside the domain folded into the two outermost, as if the field went on linearly: v_-1 = 2 v_0 - v_1."""',
-        ]
-        for ghosts in range(1, self.nodes - 1):
-            factors = identity()
-            for k in range(ghosts):
-                distance = ghosts - k
-                factors[ghosts][k], factors[ghosts + 1][k] = 1 + distance, -distance
-                factors[k][k] = 0
-            lines += [f"    if i == {-ghosts}:", f"        w = {row(factors)}"]
-        for last in range(1, self.nodes - 1):  # position of the outermost upper node among the particle's nodes
-            factors = identity()
-            for k in range(last + 1, self.nodes):
-                distance = k - last
-                factors[last][k], factors[last - 1][k] = 1 + distance, -distance
-                factors[k][k] = 0
-            lines += [f"    if i == n - {last}:", f"        w = {row(factors)}"]
-        lines.append("    return w")
-        if not moment:
-            return lines
-        lines += ["", ""]
-        moments = ", ".join(f"w[{k}] * (T({k}) - f) / (D * h)" for k in k_all)
-        slopes = ", ".join(f"d[{k}] / h" for k in k_all)
-        second = " + ".join(f"w[{k}] * (T({k}) - f) * (T({k}) - f)" for k in k_all)
-        lines += [
-            "@compiled",
-            "def moment(w, d, f, h):",
-            '    """w_i (x_i - x_p) / D with D = sum_i w_i (x_i - x_p)^2; where D vanishes (on a node), its limit, the slope."""',
-            f"    D = {second}",
-            "    if D > T(1e-6):",
-            f"        return ({moments},)",
-            f"    return ({slopes},)",
-        ]
-        return lines
 
 
 class StoredOperator:
     """Neighbour lists made once: node numbers, weights and gradients of each point."""
 
-    arguments = "P, n, G, par, nodes, N, dN, out, flag"
+    arguments = "first, last, P, starts, nodes, N, dN, G, par, acc"
+    scratch = "sc"
     padding = (0, 0)
+    ghosts = 0
+    affine = False
 
-    def __init__(self, per_point: int) -> None:
-        self.per_point = per_point
+    def __init__(self, dim: int, per_point: int) -> None:
+        self.dim, self.per_point = dim, per_point
+        self.slots = Slots(dim, 0)
+        self.functions: dict[str, str] = {}
 
-    def head(self, loop: ParticleLoop) -> list[str]:
+    def prepare(self, loop: ParticleLoop) -> list[str]:
         return []
 
-    def weights(self, loop: ParticleLoop) -> list[str]:
-        return []
-
-    def nodes_loop(self, loop: ParticleLoop, channels: int) -> tuple[list[str], str]:
-        lines = [f"for a in range({self.per_point}):", f"    k = nodes[p, a] * {channels}"]
-        if "w" in loop.needs:
+    def points(self, factors: set[str], layout: NodeLayout) -> list[str]:
+        """A loop over the nodes of one point."""
+        lines = ["p = 16 * tile + l", f"for a in range({self.per_point}):", f"    k = nodes[p, a] * {layout.size}"]
+        if "w" in factors:
             lines.append("    w = N[p, a]")
-        if "g" in loop.needs:
-            lines += [f"    g{b} = dN[p, a, {b}]" for b in range(loop.dim)]
-        return lines, "    "
+        return lines + [f"    g{b} = dN[p, a, {b}]" for b in range(self.dim) if "g" in factors]
 
-    def helpers(self, moment: bool) -> list[str]:
-        return []
+    def gather(self, loop: ParticleLoop, layout: NodeLayout, slot: int) -> tuple[list[str], list[str], dict[str, str], int]:
+        where: dict[str, str] = {}
+        zero, lines = [], self.points({f for _, f in loop.sums}, layout)
+        for channel, factor in loop.sums:
+            for k, local in enumerate(loop.summed(channel, factor)):
+                where[local] = lane(slot + len(where))
+                a, weight = (k, "w") if factor == "w" else (k // self.dim, f"g{k % self.dim}")
+                zero.append(f"{local} = zero")
+                lines.append(f"    {local} += G[k + {layout.start[channel] + a}] * {weight}")
+        text = [*zero, *lines, *(f"{text} = {local}" for local, text in where.items())]
+        return [], ["for l in range(l0, l1):", *(f"    {line}" for line in text)], where, len(where)
+
+    def scatter(self, loop: ParticleLoop, layout: NodeLayout, slot: int) -> tuple[list[str], list[str], list[str], list[str], int]:
+        compute, values, add, taken = [], [], [], 0
+        factors: set[str] = set()
+        for channel, parts in loop.terms.items():
+            for (factor, a), texts in parts.items():
+                compute.append(f"{lane(slot + taken)} = {' + '.join(texts)}")
+                values.append(f"c{taken} = {lane(slot + taken)}")
+                add.append(f"    G[k + {layout.start[channel] + a}] += c{taken} * {factor}")
+                factors.add(factor[0])
+                taken += 1
+        points = self.points(factors, layout)
+        text = [points[0], *values, *points[1:], *add]
+        return [], compute, ["for l in range(l0, l1):", *(f"    {line}" for line in text)], [], taken
+
+
+CLEAR = """@compiled
+def clear(arena, size):
+    for i in range(size):
+        arena[U(i)] = zero
+"""

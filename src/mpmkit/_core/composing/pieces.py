@@ -1,69 +1,53 @@
 """What each verb adds to a loop over particles. One function per verb; the letters are those of the literature.
 
-A piece is called twice: with ``part="gather"`` (values that are summed over the nodes first) and ``part="compute"``
-(what follows, and what is scattered back to the nodes).
+A piece is called twice: with ``part="before"`` (sums over the nodes, and what must be read before any verb of the loop
+changes it) and ``part="compute"`` (what follows, and the terms that are added to the nodes).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from mpmkit._core.composing.layout import NodeLayout
 from mpmkit._core.composing.source import ParticleLoop
 
 SYM_AT = ((0, 3, 5), (3, 1, 4), (5, 4, 2))  # index of sigma_ab among xx yy zz xy yz xz
 
-Piece = Callable[[ParticleLoop, NodeLayout, str, dict[str, str]], None]
+Piece = Callable[[ParticleLoop, str, dict[str, str]], None]
 
 
-def node(layout: NodeLayout, channel: str, a: int = 0) -> str:
-    offset = layout.start[channel] + a
-    return f"G[k + {offset}]" if offset else "G[k]"
+def _momentum(loop: ParticleLoop, channel: str) -> None:
+    """m (v + C (x_i - x_p)) N_i to a channel."""
+    for a in range(loop.dim):
+        loop.add(channel, a, "w", f"m * v[{a}]")
+        if "C" in loop.group.layout.fields:
+            loop.add(channel, a, "r", *[f"m * C[{3 * a + b}]" for b in range(loop.dim)])
 
 
-def limited(layout: NodeLayout, a: int) -> str:
-    """The nodal velocity, its change reduced to ``share``; the change that accelerations make everywhere is left alone."""
-    old, new = node(layout, "v_old", a), node(layout, "v", a)
-    if "v_given" in layout.start:
-        old = f"({old} + {node(layout, 'v_given', a)})"
-    return f"({old} + share * ({new} - {old}))"
-
-
-def _affine_velocity(loop: ParticleLoop, a: int) -> str:
-    """v_a + C_ab (x_i - x_p)_b, or v_a without an affine matrix."""
-    if "C" not in loop.group.layout.fields:
-        return f"v[{a}]"
-    loop.needs.add("r")
-    return f"(v[{a}] + " + " + ".join(f"C[{3 * a + b}] * r{b}" for b in range(loop.dim)) + ")"
-
-
-def p2g(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
-    if part == "gather":
+def p2g(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
+    if part == "before":
         return
     loop.titles.append("mass and momentum to the nodes: m_i = sum_p m_p N_i, (mv)_i = sum_p m_p v_p N_i")
-    loop.needs.add("w")
     for name in ("m", "v", *(["C"] if "C" in loop.group.layout.fields else [])):
         loop.field(name)
     if "size_now" in loop.group.layout.fields:
         loop.field("size"), loop.field("F")
         loop.line(f"size_now = ({', '.join([f'size[{a}] * F[{4 * a}]' for a in range(loop.dim)] + ['zero'] * (3 - loop.dim))})")
         loop.store("size_now")
-    loop.scatter += ["wm = w * m", f"{node(nodes, 'm')} += wm"]
-    loop.scatter += [f"{node(nodes, 'v_old', a)} += wm * {_affine_velocity(loop, a)}" for a in range(loop.dim)]
-    if "outward" in nodes.start:
-        loop.needs.add("g")
+    loop.add("m", 0, "w", "m")
+    _momentum(loop, "v" if loop.composition.merges else "v_old")
+    if loop.composition.contact is not None:
         loop.field("V")
-        loop.scatter += [f"{node(nodes, 'outward', a)} += V * g{a}" for a in range(loop.dim)]
+        for a in range(loop.dim):
+            loop.add("outward", a, "g", *["V" if a == b else "zero" for b in range(loop.dim)])
 
 
-def forces(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
-    if part == "gather":
+def forces(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
+    if part == "before":
         return
     c, dim = loop.composition, loop.dim
     loop.titles.append(
         "internal forces f_i = -sum_p V_p sigma_p grad N_i" + (", with the viscous pressure q" if "q" in loop.group.layout.fields else "")
     )
-    loop.needs |= {"g", "w"} if c.grid.space == "axisymmetric" else {"g"}
     stress = loop.field("stress")
     if "q" in loop.group.layout.fields:
         loop.field("q")
@@ -75,182 +59,203 @@ def forces(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, 
         loop.names.of("first_piola", _tensor("first_piola"))
         loop.field("F"), loop.field("V0")
         loop.line(f"piola = first_piola({stress}, F)")
-        k_ab = [[f"V0 * piola[{3 * a + b}]" for b in range(dim)] for a in range(dim)]
+        k_ab = [[f"-V0 * piola[{3 * a + b}]" for b in range(dim)] for a in range(dim)]
     else:
         loop.field("V")
-        k_ab = [[f"V * {stress}[{SYM_AT[a][b]}]" for b in range(dim)] for a in range(dim)]
+        k_ab = [[f"-V * {stress}[{SYM_AT[a][b]}]" for b in range(dim)] for a in range(dim)]
+    least_squares = c.transfer is not None and c.transfer.gradient == "moment"
+    if least_squares:
+        # grad N_i = N_i (x_i - x_p) / D, the gradient of the moving-least-squares fit
+        inverse = inverse_moments(loop)
+        k_ab = [[f"{text} * {inverse[b]}" for b, text in enumerate(row)] for row in k_ab]
+    if c.merges:
+        k_ab = [[f"dt * ({text})" for text in row] for row in k_ab]
     for a in range(dim):
-        for b in range(dim):
-            loop.line(f"k{a}{b} = {k_ab[a][b]}")
-    force = [" + ".join(f"k{a}{b} * g{b}" for b in range(dim)) for a in range(dim)]
+        loop.add("v", a, "r" if least_squares else "g", *k_ab[a])
     if c.grid.space == "axisymmetric":
         loop.field("x")
-        loop.line(f"hoop = V * {stress}[2] / x[0]")
-        force[0] += " + hoop * w"
-    loop.scatter += [f"{node(nodes, 'v', a)} -= {force[a]}" for a in range(dim)]
+        loop.add("v", 0, "w", f"-{'dt * ' if c.merges else ''}V * {stress}[2] / x[0]")
     for role, effect in c.effects.items():
         if effect.body_force is not None:
-            loop.needs.add("w")
             loop.field("m")
             loop.titles.append(f"body force of {role}")
             loop.line(f"{role}_b = {loop.call('body_force', effect.body_force, role, loop.group, {})}")
             for a in range(dim):
-                loop.scatter.append(f"{role}_f = w * m * {role}_b[{a}]")
-                loop.scatter += [f"{node(nodes, 'v', a)} += {role}_f", f"{node(nodes, 'f_ext', a)} += {role}_f"]
+                loop.add("v", a, "w", f"m * {role}_b[{a}]")
+                loop.add("f_ext", a, "w", f"m * {role}_b[{a}]")
 
 
-def filter_(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
+def filter_(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     """One pass of XPIC: u_i <- sum_p m_p N_i(x_p) sum_j N_j(x_p) u_j / m_i (the division follows at the nodes)."""
-    loop.needs.add("w")
-    if part == "gather":
+    u = loop.summed(channel["u"], "w")
+    if part == "compute":
         loop.titles.append("one filtering pass of XPIC")
+        loop.field("m")
         for a in range(loop.dim):
-            loop.gather_zero.append(f"u{a} = zero")
-            loop.gather.append(f"u{a} += w * {node(nodes, channel['u'], a)}")
-        return
-    loop.field("m")
-    loop.scatter += [f"{node(nodes, channel['u_next'], a)} += w * m * u{a}" for a in range(loop.dim)]
+            loop.add(channel["u_next"], a, "w", f"m * {u[a]}")
 
 
-def g2p(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
+def inverse_moments(loop: ParticleLoop) -> list[str]:
+    """1 / D_b with D_b = sum_i N_i (x_i - x_p)_b^2; the inverses in units of cells by one division for all axes."""
+    dim = loop.dim
+    names = [f"inv_D{b}" for b in range(dim)]
+    if "inverse moments" not in loop.have:
+        second_moments(loop)
+        loop.line(f"inv_D = one / ({' * '.join(f'D{b}' for b in range(dim))})")
+        for b in range(dim):
+            inv_h = loop.along("inv_h", b)
+            others = "".join(f" * D{a}" for a in range(dim) if a != b)
+            loop.line(f"inv_D{b} = inv_D{others} * {inv_h} * {inv_h}")
+        loop.have.add("inverse moments")
+    return names
+
+
+def second_moments(loop: ParticleLoop) -> None:
+    """``D0``, ``D1`` ...: sum_i N_i (x_i - x_p)_b^2 / h_b^2, from the weights along one axis."""
+    if "second moments" not in loop.have:
+        for b in range(loop.dim):
+            loop.line(f"D{b} = {loop.second_moment(b)}")
+        loop.have.add("second moments")
+
+
+def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     c, dim = loop.composition, loop.dim
     transfer = c.transfer
     asks = transfer.velocity.arguments if transfer is not None else ("v_grid",)
-    external = "f_ext" in nodes.start and not c.stored_operator
-    if part == "gather":
+    external = "f_ext" in loop.nodes.start and not c.stored_operator
+    v_grid = loop.summed("v", "w")
+    affine = transfer.affine if transfer is not None else "none"
+    source = "v_soft" if affine != "none" and c.softens else "v"
+    # with two nodes in a direction the moments N_i (x_i - x_p) / D are the slopes
+    by_moment = affine == "moment" and c.shape is not None and c.shape.nodes > 2
+    if part == "before":
         loop.titles.append(
             f"particle velocities by {type(transfer).__name__}" if transfer is not None else "particle velocities from the nodes"
         )
-        loop.needs.add("w")
-        for a in range(dim):
-            _gather_once(loop, f"vg{a}", f"w * {node(nodes, 'v', a)}")
-            if "dv_grid" in asks:
-                _gather_once(loop, f"dv{a}", f"w * ({node(nodes, 'v', a)} - {node(nodes, 'v_old', a)})")
-            if "v_smooth" in asks:
-                _gather_once(loop, f"vs{a}", f"w * {node(nodes, 'v_smooth', a)}")
+        if "dv_grid" in asks:
+            loop.summed("v_old", "w")
+        if "v_smooth" in asks:
+            loop.summed("v_smooth", "w")
         if external:
-            loop.field("v"), loop.field("m")
-            for a in range(dim):
-                _gather_once(loop, f"dv_ext{a}", f"w * {node(nodes, 'f_ext', a)}")
-        if transfer is not None and transfer.affine != "none":
-            loop.needs.add("moment" if transfer.affine == "moment" else "g")
-            slope = "e_" if transfer.affine == "moment" else "g"
-            sharp = c.shape is not None and not c.shape.smooth
-            if sharp:
-                # a kinked shape function has a full slope at nodes with hardly any mass, whose velocities are wild
-                light = loop.parameter("m_light", lambda roles: roles["m_light"])
-                loop.gather.append(f"share = min(one, {node(nodes, 'm')} / {light})")
-            for a in range(dim):
-                v = limited(nodes, a) if sharp else node(nodes, "v", a)
-                for b in range(dim):
-                    _gather_once(loop, f"C{a}{b}", f"{v} * {slope}{b}")
+            loop.field("v"), loop.field("m"), loop.summed("f_ext", "w")
+        if by_moment:
+            loop.summed(source, "w")
+        if affine != "none":
+            loop.summed(source, "k" if by_moment else "g")
         return
     if external:
         loop.line("v_before = v")
     if transfer is None:
-        loop.line(f"v = ({', '.join([f'vg{a}' for a in range(dim)] + ['zero'] * (3 - dim))})")
+        loop.line(f"v = ({', '.join(v_grid + ['zero'] * (3 - dim))})")
     else:
         if "v" in asks:
             loop.field("v")
         parts = []
         for a in range(dim):
-            special = {"v": f"v[{a}]", "v_grid": f"vg{a}", "dv_grid": f"dv{a}", "v_smooth": f"vs{a}"}
+            special = {"v": f"v[{a}]", "v_grid": v_grid[a], "dv_grid": f"v_w{a} - v_old_w{a}", "v_smooth": f"v_smooth_w{a}"}
             parts.append(loop.call("velocity", transfer.velocity, "transfer", loop.group, special))
         loop.line(f"v = ({', '.join(parts + ['zero'] * (3 - dim))})")
-        if transfer.affine != "none":
-            full = [f"C{a}{b}" if a < dim and b < dim else "zero" for a in range(3) for b in range(3)]
-            loop.line(f"C = ({', '.join(full)})")
+        if affine != "none":
+            loop.line(f"C = ({', '.join(_full(affine_matrix(loop, source, by_moment), dim))})")
             loop.store("C")
     if external:
-        power = " + ".join(f"dv_ext{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
-        loop.line(f"external += T(0.5) * m * ({power})")
+        power = " + ".join(f"f_ext_w{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
+        loop.total("external", f"T(0.5) * m * ({power})")
     loop.store("v")
 
 
-def remap(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
-    if part == "gather":
+def affine_matrix(loop: ParticleLoop, source: str, by_moment: bool) -> list[str]:
+    """C_ab at [dim a + b]: B D^-1 with B = sum_i v_i N_i (x_i - x_p), or sum_i v_i grad N_i."""
+    if not by_moment:
+        return loop.summed(source, "g")
+    mean, first, inverse = loop.summed(source, "w"), loop.summed(source, "k"), inverse_moments(loop)
+    return [
+        f"({first[loop.dim * a + b]} - {loop.place(b)} * {mean[a]}) * ({loop.along('h', b)} * {inverse[b]})"
+        for a in range(loop.dim)
+        for b in range(loop.dim)
+    ]
+
+
+def _full(matrix: list[str], dim: int, corner: str = "zero") -> list[str]:
+    """A matrix of the plane as one of space."""
+    full = [matrix[dim * a + b] if a < dim and b < dim else "zero" for a in range(3) for b in range(3)]
+    if dim < 3:
+        full[8] = corner
+    return full
+
+
+def remap(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
+    if part == "before":
         return
     loop.titles.append("second mapping: (mv)_i = sum_p m_p v_p N_i with the updated velocities")
-    loop.needs.add("w")
     for name in ("m", "v", *(["C"] if "C" in loop.group.layout.fields else [])):
         loop.field(name)
-    loop.scatter += [f"{node(nodes, 'v_map', a)} += w * m * {_affine_velocity(loop, a)}" for a in range(loop.dim)]
+    _momentum(loop, "v_map")
 
 
-def advect(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
+def advect(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     dim = loop.dim
-    if part == "gather":
+    v_grid = loop.summed("v", "w")
+    if part == "before":
         loop.titles.append("positions: x_p += dt sum_i v_i N_i")
-        loop.needs.add("w")
         loop.field("x")
-        for a in range(dim):
-            _gather_once(loop, f"vg{a}", f"w * {node(nodes, 'v', a)}")
         return
-    new = [f"x[{a}] + dt * vg{a}" for a in range(dim)]
+    new = [f"x[{a}] + dt * {v_grid[a]}" for a in range(dim)]
     loop.line(f"x = ({', '.join(new + ['zero'] * (3 - dim))})")
-    inside = []
     for a in range(dim):
-        low = loop.along("lower", a)
-        high = loop.along("upper", a)
-        inside.append(f"x[{a}] >= {low} and x[{a}] <= {high}")
-    loop.line(f"if not ({' and '.join(inside)}):  # outside, or not a number")
-    loop.line("    flag[1] = p")
-    loop.line("x_low = min(x_low, x[0])")
-    loop.line("x_high = max(x_high, x[0])")
+        low, high = loop.along("lower", a), loop.along("upper", a)
+        loop.watch("inside", f"min(x[{a}] - {low}, {high} - x[{a}])", ">=")
+        loop.maximum("moved", f"abs(dt * {v_grid[a]}) * {loop.along('inv_h', a)}")
     loop.store("x")
 
 
-def strain(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
+def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     c, dim = loop.composition, loop.dim
-    if part == "gather":
+    source = channel["strain"]
+    affine = c.transfer is not None and c.transfer.gradient == "moment"
+    hoop = c.grid.space == "axisymmetric"
+    if part == "before":
         loop.titles.append("L_p = sum_i v_i grad N_i, and the update of F or J")
-        loop.needs.add("g")
-        for a in range(dim):
-            for b in range(dim):
-                _gather_once(loop, f"L{a}{b}", f"{node(nodes, channel['strain'], a)} * g{b}")
-        if c.grid.space == "axisymmetric":
-            loop.needs.add("w")
-            _gather_once(loop, "v_r", f"w * {node(nodes, channel['strain'], 0)}")
+        if affine:
+            loop.summed(source, "w"), loop.summed(source, "k")
+        else:
+            loop.summed(source, "g")
+        if hoop:
+            loop.summed(source, "w")
             loop.field("x")
             # the hoop strain belongs to the position at which L was formed, before the particle is moved
-            loop.load.append("r_p = x[0]")
+            loop.line("r_p = x[0]")
         return
-    full = [f"L{a}{b}" if a < dim and b < dim else "zero" for a in range(3) for b in range(3)]
-    if c.grid.space == "axisymmetric":
-        full[8] = "v_r / r_p"
-    loop.line(f"L = ({', '.join(full)})")
+    corner = f"{loop.summed(source, 'w')[0]} / r_p" if hoop else "zero"
+    loop.line(f"L = ({', '.join(_full(affine_matrix(loop, source, affine), dim, corner))})")
+    kind = getattr(c.integrator, "strain", "exponential").replace("-", "_")
     if c.reference:
         loop.names.of("reference_step", _tensor("reference_step"))
         loop.field("F")
         loop.line("F, L = reference_step(F, L, dt)  # L so far is grad_X v")
         loop.store("F")
-        loop.forget("J", "V", "rho")
     elif "F" in loop.group.layout.fields:
-        kind = getattr(c.integrator, "strain", "exponential").replace("-", "_")
         increment = loop.names.of(f"{kind}_increment", _tensor(f"{kind}_increment"))
         loop.names.of("matmul", _tensor("matmul"))
         loop.field("F")
         loop.line(f"F = matmul({increment}(L, dt), F)")
         loop.store("F")
-        loop.forget("J", "V", "rho")
     else:
-        kind = getattr(c.integrator, "strain", "exponential").replace("-", "_")
         ratio = loop.names.of(f"{kind}_volume_ratio", _tensor(f"{kind}_volume_ratio"))
         loop.field("J")
         loop.line(f"J = J * {ratio}(L, dt)")
         loop.store("J")
-        loop.forget("V", "rho")
+        loop.have.add("J")
+    loop.forget("V", "rho", *(["J"] if "F" in loop.group.layout.fields else []))
     loop.have.add("L")
-    loop.line(f"if not ({loop.field('J')} > zero):  # inverted, or not a number")
-    loop.line("    flag[0] = p")
+    loop.watch("inverted", str(loop.field("J")))
     if c.shape is not None and c.shape.particle_size == "current":
         for a in range(dim):
-            loop.line(f"if {loop.field('size')}[{a}] * F[{4 * a}] * {loop.along('inv_h', a)} > T({c.shape.max_half!r}):")
-            loop.line("    flag[2] = p")
+            loop.watch("wide", f"T({c.shape.max_half!r}) - {loop.field('size')}[{a}] * F[{4 * a}] * {loop.along('inv_h', a)}", ">=")
 
 
-def stress(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, str]) -> None:
-    if part == "gather":
+def stress(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
+    if part == "before":
         return
     group, c = loop.group, loop.composition
     loop.titles.append(f"stress by {type(group.material).__name__}, its wave speed for the next time step")
@@ -270,23 +275,18 @@ def stress(loop: ParticleLoop, nodes: NodeLayout, part: str, channel: dict[str, 
             loop.titles.append(f"viscous pressure of {role}")
             loop.line(f"q = {loop.call('viscous_pressure', effect.viscous_pressure, role, group, {})}")
             loop.field("V")
-            loop.line("viscous -= q * (L[0] + L[4] + L[8]) * V * dt")
+            loop.total("viscous", "-q * (L[0] + L[4] + L[8]) * V * dt")
             loop.store("q")
         if effect.signal_speed is not None:
             loop.line(f"signal = {loop.call('signal_speed', effect.signal_speed, role, group, {'c': speed})}")
             speed = "signal"
     v = loop.field("v")
     squares = " + ".join(f"{v}[{a}] * {v}[{a}]" for a in range(loop.dim))
-    loop.line(f"speed = max(speed, {speed} + sqrt({squares}))")
+    loop.line(f"signal_speed = {speed} + sqrt({squares})")
+    loop.maximum("speed", "signal_speed")
     if "diffusivity" in group.hooks:
-        loop.line(f"diffusion = max(diffusion, {loop.material('diffusivity')})")
-
-
-def _gather_once(loop: ParticleLoop, name: str, term: str) -> None:
-    """Sum `term` over the nodes into the local `name`; a sum that another verb already asked for is shared."""
-    if f"{name} = zero" not in loop.gather_zero:
-        loop.gather_zero.append(f"{name} = zero")
-        loop.gather.append(f"{name} += {term}")
+        loop.line(f"diffusivity = {loop.material('diffusivity')}")
+        loop.maximum("diffusion", "diffusivity")
 
 
 def _tensor(name: str) -> Callable[..., object]:

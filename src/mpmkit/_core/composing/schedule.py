@@ -60,6 +60,9 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
 
     for verb in verbs:
         if verb in PARTICLE_VERBS:
+            if verb == "g2p" and c.softens:
+                flush()
+                nodes("soft_velocity", channel="v_soft", who=(_name(c.transfer), _name(c.shape)))
             if verb == "strain":
                 if c.stored_operator:
                     channel = "v"

@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from mpmkit._core.composing.composition import Composition, Group
-from mpmkit._core.composing.layout import LANES
+from mpmkit._core.composing.layout import LANES, NodeLayout, Slots, lane
 from mpmkit.errors import FieldContractError, did_you_mean
 from mpmkit.fields import KERNEL_ARGUMENTS, PARTICLE_FIELDS
 from mpmkit.kernels import Kernel
@@ -58,6 +58,8 @@ def _of_grid(quantity: str, axis: int, roles: dict[str, Any]) -> float:
     grid = roles["grid"]
     if quantity in ("h", "inv_h"):
         return float(grid.spacing[axis] if quantity == "h" else 1.0 / grid.spacing[axis])
+    if quantity == "last":
+        return float(grid.cells[axis] - 1)
     return float(getattr(grid, quantity)[axis])
 
 
@@ -87,7 +89,7 @@ class Text:
         return name
 
     def along(self, quantity: str, axis: int) -> str:
-        """A number of the grid along one axis: "lower", "upper", "h" or "inv_h"."""
+        """A number of the grid along one axis: "lower", "upper", "h", "inv_h" or "last" (cell)."""
         return self.parameter(f"{quantity}{axis}", partial(_of_grid, quantity, axis))
 
     def parameter_lines(self) -> list[str]:
@@ -146,31 +148,88 @@ class Text:
 
 
 class ParticleLoop(Text):
-    """One loop over the particles of a body: gather from nodes, compute, scatter to nodes, store."""
+    """One loop over the particles of a body: what it sums over the nodes, computes, adds to the nodes, and stores.
 
-    def __init__(self, composition: Composition, parameters: Parameters, names: Names, group: Group) -> None:
+    Verbs only state sums and terms; how nodes are visited is the operator's business.
+    """
+
+    def __init__(self, composition: Composition, parameters: Parameters, names: Names, group: Group, nodes: NodeLayout) -> None:
         super().__init__(composition, parameters, names)
-        self.group = group
+        self.group, self.nodes = group, nodes
         self.dim = composition.dim
         self.have: set[str] = set()
-        self.load: list[str] = []
-        self.gather_zero: list[str] = []
-        self.gather: list[str] = []
-        self.middle: list[str] = []
-        self.scatter: list[str] = []
+        self.lines: list[str] = []
+        self.sums: dict[tuple[str, str], None] = {}  # (channel, factor): sum_i channel_i factor_i, in the order asked for
+        self.terms: dict[str, dict[tuple[str, int], list[str]]] = {}  # channel -> (factor, a) -> coefficients to be added
+        self.accounts: dict[str, str] = {}  # name -> kind of reduction over the particles: "max", "sum" or "watch"
         self.store_lines: list[str] = []
-        self.in_middle = False
         self.first = False  # of the step: particles have the sizes that all its loops will use
-        self.needs: set[str] = set()  # of "w", "g", "r", "moment"
+        self.asks_weights = False  # the computation itself reads weights
+        self.asks_slopes = False
+        self.most_slots = 0  # rows of lanes that the loop takes in the scratch array
+        self.verbs: tuple[str, ...] = ()
         self.titles: list[str] = []
+
+    # --- sums over nodes and terms for nodes --------------------------------------------------------------------
+    def summed(self, channel: str, factor: str) -> list[str]:
+        """Names of sum_i u_i N_i ("w": one for each component a), sum_i u_i dN_i/dx_b ("g") or sum_i u_i N_i k_b ("k"), at [dim a + b].
+
+        k_b is the number of node i along axis b, counted from the particle's first node: with f_b, the particle's own
+        place in that count, sum_i u_i N_i (x_i - x_p)_b = h_b (sum_k - f_b sum_w).
+        """
+        self.sums[channel, factor] = None
+        if factor == "w":
+            return [f"{channel}_w{a}" for a in range(self.dim)]
+        return [f"{channel}_{factor}{a}{b}" for a in range(self.dim) for b in range(self.dim)]
+
+    def add(self, channel: str, a: int, factor: str, *coefficients: str) -> None:
+        """Add to component `a` of a channel, at every node: c N_i ("w"), c_b dN_i/dx_b ("g") or c_b N_i (x_i - x_p)_b ("r")."""
+        rows = self.terms.setdefault(channel, {})
+        if factor == "w":
+            rows.setdefault(("w", a), []).append(coefficients[0])
+        else:
+            for b, text in enumerate(coefficients):
+                rows.setdefault((f"{factor}{b}", a), []).append(text)
+
+    def place(self, b: int) -> str:
+        """f_b, the particle's own place along axis b, counted in cells from its first node."""
+        self.asks_weights = True
+        return lane(self._slots.f(b))
+
+    def second_moment(self, b: int) -> str:
+        """sum_i N_i (x_i - x_p)_b^2 / h_b^2."""
+        f = self.place(b)
+        nodes = range(self._slots.nodes)
+        return "(" + " + ".join(f"{lane(self._slots.w(b, k))} * (T({k}) - {f}) * (T({k}) - {f})" for k in nodes) + ")"
+
+    @property
+    def _slots(self) -> Slots:
+        shape = self.composition.shape
+        assert shape is not None
+        return Slots(self.dim, shape.nodes)
+
+    # --- accounts -----------------------------------------------------------------------------------------------
+    def maximum(self, account: str, value: str) -> None:
+        """Keep the largest value over the particles."""
+        self.accounts[account] = "max"
+        self.line(f"${account} = {value} if not ({value} <= ${account}) else ${account}")
+
+    def total(self, account: str, value: str) -> None:
+        """Sum over the particles."""
+        self.accounts[account] = "sum"
+        self.line(f"${account} += {value}")
+
+    def watch(self, account: str, value: str, sign: str = ">") -> None:
+        """Remember for good if `value` is not greater than zero (or not a number); the test that ends a run."""
+        self.accounts[account] = f"watch {sign}"
+        self.line(f"${account} = {value} if ${account} {sign} zero else ${account}")
 
     # --- emitting -----------------------------------------------------------------------------------------------
     def line(self, text: str) -> None:
-        (self.middle if self.in_middle else self.load).append(text)
+        self.lines.append(text)
 
     def at(self, name: str, component: int = 0) -> str:
-        offset = (self.group.layout.start[name] + component) * LANES
-        return f"P[b + {offset}]" if offset else "P[b]"
+        return f"P[U(b + {(self.group.layout.start[name] + component) * LANES} + l)]"
 
     def field(self, name: str) -> str | None:
         layout = self.group.layout

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 from mpmkit._core.composing.composition import Composition
 from mpmkit._core.composing.layout import NodeLayout
-from mpmkit._core.composing.pieces import node
 from mpmkit._core.composing.source import Names, Parameters, Text
 
-# Slots of the ledger array `work` that the loops over nodes add to.
+# Columns of the ledger's accounts `work` that the loops over nodes add to.
 WORK = (
     "external",
     "effect_dissipation",
@@ -24,7 +23,22 @@ WORK = (
 )
 
 
+CHUNK = 64  # nodes of a block where nodes are stored in a list
 IMPULSE, FORCE = WORK.index("impulse_x"), WORK.index("force_x")
+
+
+def node(layout: NodeLayout, channel: str, a: int = 0) -> str:
+    """One number of the record of node k."""
+    offset = layout.start[channel] + a
+    return f"G[U(k + {offset})]" if offset else "G[U(k)]"
+
+
+def limited(layout: NodeLayout, a: int) -> str:
+    """The nodal velocity, its change reduced to ``share``; the change that accelerations make everywhere is left alone."""
+    old, new = node(layout, "v_old", a), node(layout, "v", a)
+    if "v_given" in layout.start:
+        old = f"({old} + {node(layout, 'v_given', a)})"
+    return f"({old} + share * ({new} - {old}))"
 
 
 def vector(layout: NodeLayout, channel: str, dim: int) -> str:
@@ -37,28 +51,44 @@ def assign(layout: NodeLayout, channel: str, dim: int, name: str) -> list[str]:
 
 
 class Sweep(Text):
-    """One loop over a range of nodes, or over a list of nodes."""
+    """One loop over all stored nodes, block by block, or over a list of nodes."""
 
-    def __init__(self, composition: Composition, parameters: Parameters, names: Names, layout: NodeLayout) -> None:
+    def __init__(self, composition: Composition, parameters: Parameters, names: Names, layout: NodeLayout, block: int) -> None:
         super().__init__(composition, parameters, names)
         self.layout = layout
         self.dim = composition.dim
+        self.block = block  # nodes of a block along an axis
+
+    @property
+    def per_block(self) -> int:
+        """Nodes of a block."""
+        return CHUNK if self.composition.stored_operator else int(self.block**self.dim)
 
     def position(self, index: str) -> str:
         """Text of a node's position as a tuple of three, from its number."""
         if self.composition.stored_operator:
-            return "(" + ", ".join([f"X_nodes[{index}, {a}]" for a in range(self.dim)] + ["zero"] * (3 - self.dim)) + ")"
-        parts, rest = [], index
+            return "(" + ", ".join([f"where[{index}, {a}]" for a in range(self.dim)] + ["zero"] * (3 - self.dim)) + ")"
+        parts = []
         for a in range(self.dim):
-            lower = self.along("lower", a)
-            h = self.along("h", a)
-            ghosts = self.parameter("ghosts", lambda roles: roles["ghosts"])
-            parts.append(f"{lower} + (T(({rest}) // lat[{3 + a}]) - {ghosts}) * {h}")
-            rest = f"({rest}) % lat[{3 + a}]"
+            power = self.block ** (self.dim - 1 - a)
+            digit = f"{index} // {power} % {self.block}" if power > 1 else f"{index} % {self.block}"
+            lower, h = self.along("lower", a), self.along("h", a)
+            parts.append(f"{lower} + T(where[{index} // {self.per_block}, {a}] + {digit}) * {h}")
         return f"({', '.join(parts + ['zero'] * (3 - self.dim))})"
 
-    def body(self, name: str, doc: str, arguments: str, header: list[str], lines: list[str], tail: Sequence[str] = ()) -> str:
-        text = ["@compiled", f"def {name}({arguments}, par, lat, work, t, dt):", f'    """{doc}"""', *self.parameter_lines()]
+    def over_nodes(self, name: str, doc: str, lines: list[str], accounts: dict[str, int], more: str = "") -> str:
+        """A function over blocks of nodes; `accounts` are local sums and the columns of `WORK` where each block leaves them."""
+        text = ["@compiled", f"def {name}(first, last, G, count, where, {more}par, acc, t, dt):", f'    """{doc}"""']
+        text += [*self.parameter_lines(), "    for block in range(first, last):"]
+        text += [f"        {account} = 0.0" for account in accounts]
+        text.append(f"        for i in range({self.per_block} * block, min({self.per_block} * (block + 1), count)):")
+        text += [f"            k = i * {self.layout.size}", *(f"            {line}" for line in lines)]
+        text += [f"        acc[U({len(WORK)} * block + {column})] += {account}" for account, column in accounts.items()]
+        return "\n".join(text) + "\n"
+
+    def over_list(self, name: str, doc: str, arguments: str, header: list[str], lines: list[str], tail: Sequence[str] = ()) -> str:
+        """A function over a list of nodes, which adds to the accounts `work`."""
+        text = ["@compiled", f"def {name}({arguments}, where, par, work, t, dt):", f'    """{doc}"""', *self.parameter_lines()]
         return (
             "\n".join(
                 [*text, *(f"    {line}" for line in header), *(f"        {line}" for line in lines), *(f"    {line}" for line in tail)]
@@ -68,14 +98,6 @@ class Sweep(Text):
 
     def smallest_mass(self) -> str:
         return self.parameter("m_small", lambda roles: roles["m_small"])
-
-
-def grid_arguments(c: Composition) -> str:
-    return "G, span, X_nodes" if c.stored_operator else "G, span"
-
-
-def list_arguments(c: Composition) -> str:
-    return "G, nodes, normals, X_nodes" if c.stored_operator else "G, nodes, normals"
 
 
 def needs_of(component: object, kernel: object, dim: int) -> set[str]:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from mpmkit._core.composing.pieces import limited, node
-from mpmkit._core.composing.sweep import FORCE, Sweep, grid_arguments, value_arguments, vector
+from mpmkit._core.composing.sweep import FORCE, Sweep, limited, node, value_arguments, vector
 
 
 def momentum(sweep: Sweep, has_velocity: bool, name: str) -> str:
     """v_i^old = (mv)_i / m_i and v_i = v_i^old + dt (f_i / m_i + accelerations)."""
     c, layout, dim = sweep.composition, sweep.layout, sweep.dim
     small = sweep.smallest_mass()
-    lines = [f"k = i * {layout.size}", f"m = {node(layout, 'm')}", f"if m > {small}:"]
-    inner = []
+    lines = [f"m = {node(layout, 'm')}", f"if m > {small}:"]
+    inner, old = [], "v" if c.merges else "v_old"
     if not has_velocity:
-        inner += [f"{node(layout, 'v_old', a)} /= m" for a in range(dim)]
-    inner.append(f"v_old = {vector(layout, 'v_old', dim)}")
-    acceleration = [f"{node(layout, 'v', a)} / m" for a in range(dim)]
+        inner += [f"{node(layout, old, a)} /= m" for a in range(dim)]
+    inner.append(f"v_old = {vector(layout, old, dim)}{'  # with the internal forces' if c.merges else ''}")
+    acceleration = ["zero" if c.merges else f"{node(layout, 'v', a)} / m" for a in range(dim)]
     accounts = []
     for role, effect in c.effects.items():
         if effect.acceleration is None:
@@ -53,59 +52,55 @@ def momentum(sweep: Sweep, has_velocity: bool, name: str) -> str:
     pushes = bool(accounts) or "f_ext" in layout.start
     lines += [f"    {line}" for line in inner]
     lines += ["else:  # no particle within reach"]
-    lines += [f"    {node(layout, channel, a)} = zero" for channel in ("v_old", "v") for a in range(dim)]
-    header = [
-        "external, effects = 0.0, 0.0",
-        *([f"push{a} = 0.0" for a in range(dim)] if pushes else []),
-        "for i in range(span[0], span[1]):",
-    ]
-    tail = ["work[0] += external", "work[1] += effects", *([f"work[{FORCE + a}] += push{a}" for a in range(dim)])] if pushes else []
-    if not pushes:
-        header = header[-1:]
-    return sweep.body(name, "Nodes: v_i = (mv)_i / m_i, v_i += dt (f_i / m_i + accelerations).", grid_arguments(c), header, lines, tail)
+    lines += [f"    {node(layout, channel, a)} = zero" for channel in dict.fromkeys((old, "v")) for a in range(dim)]
+    names = {"external": 0, "effects": 1} | {f"push{a}": FORCE + a for a in range(dim)} if pushes else {}
+    return sweep.over_nodes(name, "Nodes: v_i = (mv)_i / m_i, v_i += dt (f_i / m_i + accelerations).", lines, names)
 
 
 def divide(sweep: Sweep, channel: str, name: str, doc: str) -> str:
     """Momentum to velocity in one channel."""
     layout, dim = sweep.layout, sweep.dim
     small = sweep.smallest_mass()
-    lines = [f"k = i * {layout.size}", f"m = {node(layout, 'm')}", f"if m > {small}:"]
+    lines = [f"m = {node(layout, 'm')}", f"if m > {small}:"]
     lines += [f"    {node(layout, channel, a)} /= m" for a in range(dim)]
     lines += ["else:"] + [f"    {node(layout, channel, a)} = zero" for a in range(dim)]
-    return sweep.body(name, doc, grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
+    return sweep.over_nodes(name, doc, lines, {})
 
 
 def limit(sweep: Sweep, name: str) -> str:
     """Velocities for the strain, with the change limited where the nodal mass is below a fraction of a particle's."""
     layout, dim = sweep.layout, sweep.dim
     m_limit = sweep.parameter("m_limit", lambda roles: roles["m_limit"])
-    lines = [f"k = i * {layout.size}", f"share = min(one, {node(layout, 'm')} / {m_limit})"]
+    lines = [f"share = min(one, {node(layout, 'm')} / {m_limit})"]
     lines += [f"{node(layout, 'v_map', a)} = {limited(layout, a)}" for a in range(dim)]
     doc = "Nodes: velocities for the strain, limited where there is little mass."
-    return sweep.body(name, doc, grid_arguments(sweep.composition), ["for i in range(span[0], span[1]):"], lines)
+    return sweep.over_nodes(name, doc, lines, {})
+
+
+def soften(sweep: Sweep, name: str) -> str:
+    """Velocities for the affine matrix of kinked shape functions: they have a full slope at nodes with hardly any mass."""
+    layout, dim = sweep.layout, sweep.dim
+    m_light = sweep.parameter("m_light", lambda roles: roles["m_light"])
+    lines = [f"share = min(one, {node(layout, 'm')} / {m_light})"]
+    lines += [f"{node(layout, 'v_soft', a)} = {limited(layout, a)}" for a in range(dim)]
+    return sweep.over_nodes(name, "Nodes: velocities for the affine matrix, limited at nodes lighter than half a particle.", lines, {})
 
 
 def carry(sweep: Sweep, name: str) -> str:
     """Nodes keep their velocity: v_old = v, f = 0."""
     layout, dim = sweep.layout, sweep.dim
-    lines = [f"k = i * {layout.size}"]
+    lines = []
     for a in range(dim):
         lines += [f"{node(layout, 'v_old', a)} = {node(layout, 'v', a)}", f"{node(layout, 'v', a)} = zero"]
         if "f_ext" in layout.start:
             lines.append(f"{node(layout, 'f_ext', a)} = zero")
-    return sweep.body(
-        name,
-        "Nodes carry their velocity: v_old = v, f = 0.",
-        grid_arguments(sweep.composition),
-        ["for i in range(span[0], span[1]):"],
-        lines,
-    )
+    return sweep.over_nodes(name, "Nodes carry their velocity: v_old = v, f = 0.", lines, {})
 
 
 def filter_start(sweep: Sweep) -> str:
     """XPIC: the filtered velocity starts as order times v_old."""
     layout, dim = sweep.layout, sweep.dim
-    lines = [f"k = i * {layout.size}"]
+    lines = []
     for a in range(dim):
         old = node(layout, "v_old", a)
         lines += [
@@ -113,21 +108,15 @@ def filter_start(sweep: Sweep) -> str:
             f"{node(layout, 'v_smooth', a)} = weight * {old}",
             f"{node(layout, 'u_next', a)} = zero",
         ]
-    header = ["for i in range(span[0], span[1]):"]
-    return sweep.body(
-        "filter_start", "Nodes: start of the filtered velocity of XPIC.", grid_arguments(sweep.composition) + ", weight", header, lines
-    )
+    return sweep.over_nodes("filter_start", "Nodes: start of the filtered velocity of XPIC.", lines, {}, "weight, ")
 
 
 def filter_add(sweep: Sweep) -> str:
     """XPIC: u_i = (sum_p m_p N_i u_p) / m_i and v_smooth += weight u."""
     layout, dim = sweep.layout, sweep.dim
     small = sweep.smallest_mass()
-    lines = [f"k = i * {layout.size}", f"m = {node(layout, 'm')}", f"if m > {small}:"]
+    lines = [f"m = {node(layout, 'm')}", f"if m > {small}:"]
     for a in range(dim):
         u, u_next = node(layout, "u", a), node(layout, "u_next", a)
         lines += [f"    {u} = {u_next} / m", f"    {node(layout, 'v_smooth', a)} += weight * {u}", f"    {u_next} = zero"]
-    header = ["for i in range(span[0], span[1]):"]
-    return sweep.body(
-        "filter_add", "Nodes: one term of the filtered velocity of XPIC.", grid_arguments(sweep.composition) + ", weight", header, lines
-    )
+    return sweep.over_nodes("filter_add", "Nodes: one term of the filtered velocity of XPIC.", lines, {}, "weight, ")

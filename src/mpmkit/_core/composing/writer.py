@@ -1,81 +1,110 @@
-"""Assembles the text of one loop over particles from its sections."""
+"""Assembles the text of one loop over particles: blocks, tiles of 16, sums over nodes, computation, terms for nodes."""
 
 from __future__ import annotations
 
+import re
 import textwrap
 from typing import Any
 
-from mpmkit._core.composing.layout import LANES, NodeLayout
+from mpmkit._core.composing.layout import LANES, NodeLayout, lane
 from mpmkit._core.composing.pieces import PIECES
 from mpmkit._core.composing.source import ParticleLoop
 
+ACCOUNTS = ("speed", "diffusion", "moved", "inverted", "inside", "wide", "viscous", "external")
+"""Columns of the accounts of a block of particles, see `ParticleLoop.maximum`, `total` and `watch`."""
 
-def fused_function(loop: ParticleLoop, layout: NodeLayout, operator: Any, name: str, verbs: list[str], channel: dict[str, str]) -> str:
-    """One function whose loop does several verbs."""
+LINE = {"float64": 8, "float32": 16}  # numbers in a cache line
+AHEAD = 2  # tiles: memory answers while the tiles before are worked on
+
+START = {"max": "zero", "sum": "zero", "watch >": "one", "watch >=": "one"}
+
+
+def fused_function(loop: ParticleLoop, operator: Any, name: str, verbs: list[str], channel: dict[str, str]) -> str:
+    """The text of one loop that does several verbs."""
     loop.first = "p2g" in verbs
     for verb in verbs:
-        PIECES[verb](loop, layout, "gather", channel)
-    _fields_of_weights(loop)
-    loop.in_middle = True
+        PIECES[verb](loop, "before", channel)
     for verb in verbs:
-        PIECES[verb](loop, layout, "compute", channel)
-    return particle_function(loop, layout, operator, name, "; ".join(loop.titles))
+        PIECES[verb](loop, "compute", channel)
+    return particle_function(loop, operator, name, "; ".join(loop.titles))
 
 
-def _fields_of_weights(loop: ParticleLoop) -> None:
-    """Make what the weights need available before anything is changed."""
-    shape = loop.composition.shape
-    if shape is not None and not loop.composition.stored_operator:
-        loop.field("x")
-        if loop.composition.keeps_size and not loop.first:
-            loop.field("size_now")
-        elif shape.particle_size != "none":
-            loop.field("size")
-            if shape.particle_size == "current":
-                loop.field("F")
-
-
-def particle_function(
-    loop: ParticleLoop, layout: NodeLayout, operator: Any, name: str, doc: str, *, extra: str = "", chosen: bool = False
-) -> str:
-    """Text of a compiled function over all particles of a body, or over a chosen list of them."""
-    gathers, scatters = bool(loop.gather), bool(loop.scatter)
-    if gathers or scatters:
-        _fields_of_weights(loop)
-    inner = list(loop.load)
-    if gathers or scatters:
-        header, pad = operator.nodes_loop(loop, layout.size)  # first: it may ask for parameters
-        inner += operator.weights(loop)
-        header, pad = operator.nodes_loop(loop, layout.size)
-    if gathers:
-        inner += loop.gather_zero + header + [f"{pad}{line}" for line in loop.gather]
-    inner += loop.middle
-    if scatters:
-        inner += header + [f"{pad}{line}" for line in loop.scatter]
-    inner += loop.store_lines
-    text = "\n".join(inner)
-    sums = {
-        "speed": ("zero", 0),
-        "diffusion": ("zero", 1),
-        "viscous": ("0.0", 2),
-        "external": ("0.0", 5),
-        "x_low": ("T(1e30)", 3),
-        "x_high": ("T(-1e30)", 4),
-    }
-    used = {n: s for n, s in sums.items() if f"{n} = m" in text or f"\n{n} -= " in text or f"\n{n} += " in text}
-    before = [f"{n} = {start}" for n, (start, _) in used.items()]
-    after = [f"out[{slot}] {'+=' if n in ('viscous', 'external') else '='} {n}" for n, (_, slot) in used.items()]
-    signature = f"{operator.arguments}, {extra}{'chosen, area, normals, arms, ' if chosen else ''}t, dt"
-    lines = ["@compiled", f"def {name}({signature}):", textwrap.indent('"""' + _wrapped(doc) + '"""', "    ")]
-    lines += [f"    {line}" for line in operator.head(loop) if gathers or scatters]
-    lines += loop.parameter_lines()
-    lines += [f"    {line}" for line in before]
-    record = f"b = (p >> 4) * {loop.group.layout.size * LANES} + (p & 15)"
-    lines += ["    for j in range(chosen.size):", "        p = chosen[j]"] if chosen else ["    for p in range(n):"]
-    lines += [f"        {record}"] + [f"        {line}" for line in inner]
-    lines += [f"    {line}" for line in after]
-    return "\n".join(lines) + "\n"
+def particle_function(loop: ParticleLoop, operator: Any, name: str, doc: str, accounts: tuple[str, ...] = ACCOUNTS) -> str:
+    """Texts of the computation on one tile and of the loop over blocks that calls it."""
+    nodes: NodeLayout = loop.nodes
+    slot = operator.slots.count
+    before: list[str] = []
+    after: list[str] = []
+    tile: list[str] = []
+    if loop.sums or loop.terms or loop.asks_weights:
+        tile += operator.prepare(loop)
+    loads: list[str] = []
+    if loop.sums:
+        first, gather, where, taken = operator.gather(loop, nodes, slot)
+        before, tile = before + first, tile + gather
+        loads = [f"{local} = {value}" for local, value in where.items()]
+        slot += taken
+    adds: list[str] = []
+    scatter: list[str] = []
+    if loop.terms:
+        first, adds, scatter, after, taken = operator.scatter(loop, nodes, slot)
+        before = before + first
+        slot += taken
+    at = {account: slot + k for k, account in enumerate(loop.accounts)}
+    loop.most_slots = slot + len(at)
+    compute = [*loads, *loop.lines, *adds, *loop.store_lines]
+    compute = [re.sub(r"\$(\w+)", lambda m: lane(at[m[1]]), line) for line in compute]
+    tile.append(f"{name}_tile(P, tile, l0, l1, par, sc, t, dt)")
+    tile += scatter
+    body = textwrap.indent('"""' + _wrapped(doc) + '"""', "    ")
+    text = ["@compiled", f"def {name}_tile(P, tile, l0, l1, par, sc, t, dt):", body, "    wide()", *loop.parameter_lines()]
+    text += [f"    b = tile * {loop.group.layout.size * LANES}", "    for l in range(l0, l1):", *(f"        {line}" for line in compute)]
+    text += ["", "", "@compiled", f"def {name}({operator.arguments}, {operator.scratch}, t, dt):"]
+    text += [f'    """Blocks first to last of: {", ".join(loop.verbs) or doc[:1].lower() + doc[1:]}."""', "    mode = tiny_to_zero()"]
+    text += ["    for block in range(first, last):"]
+    text += [f"        {line}" for line in before]
+    if at:
+        text += ["        for l in range(16):"]
+        text += [f"            {lane(s)} = {START[loop.accounts[account]]}" for account, s in at.items()]
+    text += [
+        "        p0, p1 = starts[U(block)], starts[U(block + 1)]",
+        "        for tile in range(p0 >> 4, (p1 + 15) >> 4):",
+        "            l0, l1 = max(p0 - 16 * tile, 0), min(p1 - 16 * tile, 16)",
+        f"            for line in range(0, {loop.group.layout.size * LANES}, {LINE[loop.composition.sim.precision]}):",
+        f"                prefetch(P, (tile + {AHEAD}) * {loop.group.layout.size * LANES} + line)",
+        *(f"            {line}" for line in tile),
+        *(f"        {line}" for line in after),
+    ]
+    for account, s in at.items():
+        kind, column = loop.accounts[account], f"acc[U({len(accounts)} * block + {accounts.index(account)})]"
+        one = {
+            "max": f"{lane(s)} if not ({lane(s)} <= most) else most",
+            "sum": f"most + {lane(s)}",
+            "watch >": f"most if {lane(s)} > zero else 1.0",
+            "watch >=": f"most if {lane(s)} >= zero else 1.0",
+        }[kind]
+        text += ["        most = 0.0", "        for l in range(16):", f"            most = {one}", f"        {column} = most"]
+    text.append("    as_before(mode)")
+    return "\n".join(text) + "\n"
 
 
 def _wrapped(doc: str) -> str:
     return "\n".join(textwrap.wrap(doc[:1].upper() + doc[1:] + ".", 120))
+
+
+def each_particle(loop: ParticleLoop, operator: Any, name: str, doc: str, lines: list[str], extra: str, only: str = "") -> str:
+    """Text of a loop that visits particles one by one: for the few that meet special nodes, or for small problems."""
+    loop.asks_slopes = True
+    text = ["@compiled", f"def {name}({operator.arguments}, {extra}, sc, ib, t, dt):", f'    """{doc}."""', *loop.parameter_lines()]
+    text += ["    for block in range(first, last):"]
+    text += [f"        if not {only}:", "            continue"] if only else []
+    text += [
+        "        p0, p1 = starts[U(block)], starts[U(block + 1)]",
+        "        for tile in range(p0 >> 4, (p1 + 15) >> 4):",
+        "            l0, l1 = max(p0 - 16 * tile, 0), min(p1 - 16 * tile, 16)",
+        *(f"            {line}" for line in operator.prepare(loop)),
+        f"            b = tile * {loop.group.layout.size * LANES}",
+        "            for l in range(l0, l1):",
+        *(f"                {line}" for line in (*loop.lines, *lines)),
+    ]
+    return "\n".join(text) + "\n"

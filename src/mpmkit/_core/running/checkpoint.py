@@ -24,6 +24,8 @@ from mpmkit.errors import ResultsError
 MAGIC = "mpmkit checkpoint"
 FORMAT = 1
 _HEADER = 512
+_FAILURES = (OSError, RuntimeError, ValueError, TypeError)
+"""What a full disk, a missing folder and values that no file can hold are raised as."""
 
 
 def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray], attrs: Mapping[str, Any]) -> None:
@@ -43,12 +45,17 @@ def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray], attrs: 
     ResultsError
         If it cannot be written (no folder, full disk); the previous checkpoint is untouched.
     """
+    seal(path, begin(path, arrays, attrs))
+
+
+def begin(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray], attrs: Mapping[str, Any]) -> Path:
+    """First half of `save`: write everything into a temporary file, for `seal`. The arrays may change afterwards."""
     import h5py
 
     path = Path(path)
     temporary = None
     try:
-        text = json.dumps(attrs, default=_as_plain)
+        text = json.dumps(attrs, default=_as_plain).encode()
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent)
         os.close(handle)
         temporary = Path(name)
@@ -56,7 +63,7 @@ def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray], attrs: 
         try:
             plain = {key: np.asarray(array) for key, array in arrays.items()}
             reserve(file, _HEADER + len(text) + sum(array.nbytes + 1024 for array in plain.values()))
-            file.create_dataset("attrs", data=text.encode(), dtype=h5py.string_dtype("utf-8", max(1, len(text.encode()))))
+            file.create_dataset("attrs", data=text, dtype=h5py.string_dtype("utf-8", max(1, len(text))))
             group = file.create_group("arrays")
             for key, array in plain.items():
                 group.create_dataset(key, data=array, track_times=False)
@@ -64,21 +71,37 @@ def save(path: str | os.PathLike[str], arrays: Mapping[str, np.ndarray], attrs: 
         except BaseException:
             abandon(file)
             raise
+        temporary.chmod(0o666 & ~_umask())  # here and not in `seal`, whose thread must not touch the mask of all
+        return temporary
+    except BaseException as error:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+        if isinstance(error, _FAILURES):
+            raise _failed(path, error) from error
+        raise
+
+
+def seal(path: str | os.PathLike[str], temporary: Path) -> None:
+    """Second half of `save`, the longer one: digest, sync to the disk, and the name; needs nothing of the run."""
+    path = Path(path)
+    try:
         with temporary.open("rb+") as raw:
             raw.write(_header(raw))
             raw.flush()
             os.fsync(raw.fileno())
-        temporary.chmod(0o666 & ~_umask())
         if path.exists():
             _keep(path)
         temporary.replace(path)
         _sync_folder(path.parent)
-    except (OSError, RuntimeError, ValueError, TypeError) as error:
-        kept = "; the checkpoint before it is kept" if path.exists() else ""
-        raise ResultsError(f"{path}: cannot write the checkpoint ({error}){kept}") from error
+    except _FAILURES as error:
+        raise _failed(path, error) from error
     finally:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
+
+
+def _failed(path: Path, error: BaseException) -> ResultsError:
+    kept = "; the checkpoint before it is kept" if path.exists() else ""
+    return ResultsError(f"{path}: cannot write the checkpoint ({error}){kept}")
 
 
 def load(path: str | os.PathLike[str]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

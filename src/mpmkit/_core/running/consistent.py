@@ -6,13 +6,16 @@ squares sense, because with few particles the matrix is singular. Prescribed com
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mpmkit._core.composing.sweep import FORCE, IMPULSE
-from mpmkit._core.running.engine import Engine
+from mpmkit._core.running.bindings import face_nodes
 from mpmkit.errors import CompositionError
+
+if TYPE_CHECKING:
+    from mpmkit._core.running.engine import Engine
 
 LARGEST = 3000
 
@@ -23,15 +26,15 @@ class ConsistentMomentum:
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
         e = engine
-        self.number = np.full(e.n_nodes, -1, dtype=np.int64)
+        self.number = np.full(e.fields[0].n_nodes, -1, dtype=np.int64)
         per_particle = e.plan.operator.nodes**e.c.dim
         self.rows, self.ws = np.zeros(per_particle, dtype=np.int64), np.zeros(per_particle, dtype=e.dtype)
-        self.x = e.node_positions()
 
     def __call__(self, t: Any, dt: Any) -> None:
         e, dim = self.engine, self.engine.c.dim
-        layout, G = e.plan.node_layout, e.fields[0].G.reshape(-1, e.channels)
-        active = np.flatnonzero(G[:, 0] > e.m_small)
+        layout, field = e.plan.node_layout, e.fields[0]
+        G = field.G[: field.n_nodes * e.channels].reshape(-1, e.channels)
+        active = np.flatnonzero(G[:, layout.start["m"]] > e.m_small)
         if active.size > LARGEST:
             raise CompositionError(
                 f"mass='consistent' is dense and allowed up to {LARGEST} occupied nodes; this scene has {active.size}. Use mass='lumped'"
@@ -67,7 +70,8 @@ class ConsistentMomentum:
         self.number[active] = np.arange(active.size)
         M = np.zeros((active.size, active.size), dtype=e.dtype)
         for k, s in enumerate(e.stores):
-            getattr(e.module, f"mass_matrix_{s.group.name}")(*e._particle_arguments(k), M, self.number, self.rows, self.ws, t, dt)
+            arguments = (*e.particle_arguments(k, e.places.acc[k]), M, self.number, self.rows, self.ws, e.scratch[0][0], e.scratch[0][2])
+            getattr(e.module, f"mass_matrix_{s.group.name}")(0, e.places.blocks[k].count, *arguments, t, dt)
         return M.astype(float)
 
     def _acceleration(self, effect: Any, active: Any, a: int, t: float) -> Any:
@@ -87,7 +91,7 @@ class ConsistentMomentum:
         for layer in e.c.layers.values():
             if layer.constrain is None:
                 continue
-            numbers, normals = e._face_nodes(layer.faces_of(e.c.grid))
+            numbers, normals = face_nodes(e, e.fields[0], layer.faces_of(e.c.grid))
             for i, n in zip(numbers, normals, strict=True):
                 if int(i) not in place:
                     continue

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mpmkit._core.running.bindings import where
 from mpmkit.errors import StabilityError
 
 if TYPE_CHECKING:
@@ -19,10 +20,11 @@ class Pair:
 
     def __init__(self, a: int, b: int) -> None:
         self.a, self.b, self.count = a, b, 0
+        self.both: Any = np.zeros((0, 2), dtype=np.int64)  # places of the blocks of nodes that both bodies have
         self.resize(256, np.float64)
 
     def resize(self, size: int, dtype: type) -> None:
-        self.found = np.zeros(size, dtype=np.int64)
+        self.found = np.zeros((size, 2), dtype=np.int64)
         self.normals: Any = np.zeros((size, 3, 3), dtype=dtype)  # three candidates, the chosen one first
         self.reach_a: Any = np.zeros((size, 3), dtype=dtype)
         self.press: Any = np.zeros(size, dtype=dtype)
@@ -30,14 +32,23 @@ class Pair:
 
 
 class ContactPairs:
-    """All pairs of bodies; a pair costs something only in steps in which its bodies share nodes."""
+    """All pairs of bodies; a pair costs something only while both have nodes in one block."""
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
-        self.slot = np.full(engine.n_nodes, -1, dtype=np.int64)
         self.pairs = [Pair(a, b) for a, b in combinations(range(len(engine.stores)), 2)]
         for pair in self.pairs:
             pair.resize(256, engine.dtype)
+
+    def update(self) -> None:
+        """After the bodies were sorted: which blocks of nodes both have, and fresh marks on nodes and blocks."""
+        e = self.engine
+        self.slot = [np.full(f.n_nodes, -1, dtype=np.int64) for f in e.fields]
+        self.touched = [np.zeros(f.active, dtype=np.uint8) for f in e.fields]
+        self.near = [np.zeros(b.count, dtype=np.uint8) for b in e.places.blocks]
+        for pair in self.pairs:
+            pair.both = np.stack(e.fields[pair.a].shared_blocks(e.fields[pair.b]), axis=1)
+            pair.count = 0
 
     def operation(self, channel: str, find: bool) -> Callable[[Any, Any], None]:
         e = self.engine
@@ -48,27 +59,32 @@ class ContactPairs:
                 if find:
                     self._find(pair, t, dt)
                 if pair.count:
-                    A, B = e.fields[pair.a].G, e.fields[pair.b].G
+                    A, B = e.fields[pair.a], e.fields[pair.b]
                     shared = (pair.found, pair.count, pair.normals, pair.reach_a, pair.reach_b, pair.press)
-                    function(A, B, *shared, e.node_par, e.lat, e.work, t, dt)
+                    function(A.G, B.G, *shared, where(e, A), e.node_par, e.work, t, dt)
 
         return apply
 
     def _find(self, pair: Pair, t: Any, dt: Any) -> None:
-        e, m = self.engine, self.engine.module
-        fa, fb = e.fields[pair.a], e.fields[pair.b]
-        pair.count = m.find_shared(fa.G, fb.G, fa.span, fb.span, pair.found, self.slot, e.node_par)
-        while pair.count < 0:  # the list was too short
-            self.slot[pair.found] = -1
-            pair.resize(4 * pair.found.size, e.dtype)
-            pair.count = m.find_shared(fa.G, fb.G, fa.span, fb.span, pair.found, self.slot, e.node_par)
-        if not pair.count:
+        e, m, a, b = self.engine, self.engine.module, pair.a, pair.b
+        fa, fb = e.fields[a].G, e.fields[b].G
+        if not len(pair.both):
             return
-        m.contact_normals(fa.G, fb.G, pair.found, pair.count, pair.normals, pair.reach_a, pair.reach_b)
-        for body, reach, side in ((pair.a, pair.reach_a, 1.0), (pair.b, pair.reach_b, -1.0)):
+        marks = (self.slot[a], self.slot[b], self.touched[a], self.touched[b])
+        while (count := m.find_shared(fa, fb, pair.both, pair.found, *marks, e.node_par)) < 0:  # the list was too short
+            m.clear_shared(pair.found, len(pair.found), *marks)
+            pair.resize(4 * len(pair.found), e.dtype)
+        pair.count = count
+        if not count:
+            return
+        m.contact_normals(fa, fb, pair.found, count, pair.normals, pair.reach_a, pair.reach_b)
+        for body, reach, side in ((a, pair.reach_a, 1.0), (b, pair.reach_b, -1.0)):
+            blocks, near = e.places.blocks[body], self.near[body]
+            m.near_shared(blocks.home, blocks.count, 3**e.c.dim, self.touched[body], near)
             function = getattr(m, f"reach_{e.stores[body].group.name}")
-            function(*e._particle_arguments(body), self.slot, pair.normals, reach, e.dtype(side), t, dt)
-        m.choose_normals(pair.count, pair.normals, pair.reach_a, pair.reach_b, e.dtype(1e-3 * e.c.grid.h))
-        m.clear_shared(pair.found, pair.count, self.slot)
-        if not np.isfinite(pair.normals[: pair.count]).all():
-            raise StabilityError(f"contact between bodies {pair.a} and {pair.b}: a normal is not a number at step {e.step_number}")
+            lists = (near, self.slot[body], pair.normals, reach, e.dtype(side))
+            function(0, blocks.count, *e.particle_arguments(body, e.places.acc[body]), *lists, e.scratch[0][0], e.scratch[0][2], t, dt)
+        m.choose_normals(count, pair.normals, pair.reach_a, pair.reach_b, e.dtype(1e-3 * e.c.grid.h))
+        m.clear_shared(pair.found, count, *marks)
+        if not np.isfinite(pair.normals[:count]).all():
+            raise StabilityError(f"contact between bodies {a} and {b}: a normal is not a number at step {e.step_number}")

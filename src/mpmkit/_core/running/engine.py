@@ -1,4 +1,4 @@
-"""Runs the phases of a plan: arrays, arguments and clocks. The method itself is in the generated module."""
+"""Runs the phases of a plan: arrays, arguments, threads and clocks. The method itself is in the generated module."""
 
 from __future__ import annotations
 
@@ -8,21 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from mpmkit._core.composing.plan import LEDGER, Plan
+from mpmkit._core.composing.module import LEDGER
+from mpmkit._core.composing.plan import Plan
 from mpmkit._core.composing.schedule import Phase, Schedule
 from mpmkit._core.composing.sweep import WORK
+from mpmkit._core.composing.writer import ACCOUNTS
+from mpmkit._core.running import bindings
 from mpmkit._core.running.contact import ContactPairs
-from mpmkit._core.running.store import BodyStore
+from mpmkit._core.running.nodes import SparseNodes
+from mpmkit._core.running.placing import ListedNodes, ListedPoints, SortedBodies
+from mpmkit._core.running.store import BodyStore, aligned
+from mpmkit._core.running.workers import Team, chosen
+from mpmkit.errors import StabilityError
 
-Operation = tuple[str, Callable[..., Any], tuple[Any, ...]]
+Operation = tuple[str, Callable[[Any, Any], None]]
 
-
-class Field:
-    """One velocity field on the nodes: of all bodies, or of one body if there is contact."""
-
-    def __init__(self, n_nodes: int, channels: int, dtype: type) -> None:
-        self.G: Any = np.zeros(n_nodes * channels, dtype=dtype)
-        self.span = np.array([0, n_nodes], dtype=np.int64)  # nodes that may be occupied
+SPEED, DIFFUSION, MOVED, VISCOUS, EXTERNAL = (ACCOUNTS.index(n) for n in ("speed", "diffusion", "moved", "viscous", "external"))
+FLAGS = ("inverted", "inside", "wide")
 
 
 class Engine:
@@ -34,243 +36,239 @@ class Engine:
         Phases, layouts and the generated module.
     stores : list of BodyStore
         Particles, in the order of the bodies.
+    threads : int, optional
+        How many threads step; results do not depend on it. Chosen by the number of particles if not given.
+
+    Attributes
+    ----------
+    outs : float64[bodies, 8]
+        By `ACCOUNTS`: fastest signal and largest diffusivity of the last step, dissipation and work of external forces so far.
+    flags : bool[bodies, 3]
+        Whether some particle is inverted, outside the domain, or wider than its shape function allows.
     """
 
-    def __init__(self, plan: Plan, stores: list[BodyStore]) -> None:
+    def __init__(self, plan: Plan, stores: list[BodyStore], threads: int | None = None) -> None:
         self.plan, self.stores = plan, stores
         c = plan.composition
         self.c, self.dtype = c, plan.dtype
         self.module = plan.load()
         self.t, self.step_number = 0.0, 0
+        self.team = Team(chosen(threads, sum(s.n for s in stores)))
         self.work = np.zeros(len(WORK))
         self.clocks: dict[str, float] = {}
-        self.flags = np.full((len(stores), 4), -1, dtype=np.int64)
-        self.outs = np.zeros((len(stores), 8))
-        for k, s in enumerate(stores):
-            s.flag, s.out = self.flags[k], self.outs[k]
+        self.flags = np.zeros((len(stores), len(FLAGS)), dtype=bool)
+        self.outs = np.zeros((len(stores), len(ACCOUNTS)))
         self.channels = plan.node_layout.size
-        self._nodes()
+        self._parameters()
+        n_fields = len(stores) if c.contact is not None else 1
+        self.places: Any
+        if c.stored_operator:
+            self.fields: list[Any] = [ListedNodes(stores, self.channels, self.dtype)]
+            self.places = ListedPoints(stores)
+        else:
+            self.places = SortedBodies(plan, stores, self.team)
+            self.fields = [SparseNodes(self.places.lattice, self.channels, self.dtype) for _ in range(n_fields)]
+        self.scratch = [self._scratch() for _ in range(self.team.size)]
+        self.contact = ContactPairs(self) if c.contact is not None else None
+        self.structure = -1  # version of the places that the operations are bound to
+        self.operations: list[Operation] = []
+        self.start_operations: list[Operation] = []
+        self._largest, self._sums = np.zeros(16), np.zeros(16)
+        self._place()
+
+    def use(self, threads: int | None) -> None:
+        """Go on with this many threads (see `workers.chosen`); the results do not depend on it."""
+        size = chosen(threads, sum(s.n for s in self.stores))
+        if size == self.team.size:
+            return
+        self.team.close()
+        self.team = Team(size)
+        self.scratch = [self._scratch() for _ in range(size)]
+        if not self.c.stored_operator:
+            self.places.team = self.team
+        self.bind()
+
+    def _parameters(self) -> None:
+        c, plan, stores = self.c, self.plan, self.stores
         particle_mass = min(float(s.get("m").min()) for s in stores)
-        small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
         mean_mass = float(np.mean([s.get("m").mean() for s in stores]))
-        roles = c.roles() | {
-            "m_limit": c.fraction * mean_mass,
-            "m_light": 0.5 * mean_mass,
-            "grid": c.grid,
-            "ghosts": float(plan.operator.padding[0]),
-            "m_small": small,
-        }
+        self.m_small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
+        roles = c.roles() | {"m_limit": c.fraction * mean_mass, "m_light": 0.5 * mean_mass, "grid": c.grid, "m_small": self.m_small}
         self.node_par = plan.node_parameters.values(roles, self.dtype)
-        self.m_small = small
         self.body_par = [
             plan.group_parameters[s.group.name].values(roles | {"material": body.material}, self.dtype)
             for s, body in zip(stores, c.sim.bodies, strict=True)
         ]
-        self.moving_layers: list[tuple[Any, list[Any]]] = []
-        self.contact = ContactPairs(self) if c.contact is not None else None
-        self.operations = self._bind(plan.schedule)
-        self._bind_ledger()
 
-    # --- nodes --------------------------------------------------------------------------------------------------
-    def _nodes(self) -> None:
-        c, plan = self.c, self.plan
-        if c.stored_operator:
-            self.X_nodes: Any = np.concatenate([s.points.nodes for s in self.stores])
-            first = 0
-            for s in self.stores:
-                s.operator = (s.points.connectivity + first, s.points.N.astype(self.dtype), s.points.dN.astype(self.dtype))
-                first += len(s.points.nodes)
-            self.lat = np.zeros(6, dtype=np.int64)
-            self.n_nodes = first
-        else:
-            low, high = plan.operator.padding
-            self.shape = [n + low + high for n in c.grid.nodes]
-            strides = [int(np.prod(self.shape[a + 1 :])) for a in range(c.dim)]
-            self.lat = np.array([*c.grid.cells, *[0] * (3 - c.dim), *strides, *[0] * (3 - c.dim)], dtype=np.int64)
-            self.n_nodes = int(np.prod(self.shape))
-            self.X_nodes = None
-        n_fields = len(self.stores) if c.contact is not None else 1
-        self.fields = [Field(self.n_nodes, self.channels, self.dtype) for _ in range(n_fields)]
+    def _scratch(self) -> tuple[Any, ...]:
+        """Arrays that one thread works in: rows of lanes, the same by particle, first nodes, arenas to read and to add to."""
+        operator, T = self.plan.operator, self.dtype
+        if self.c.stored_operator:
+            return (aligned(16 * self.plan.slots, T),)
+        arena = operator.arena.size * self.channels + 64
+        lanes = 16 * self.plan.slots
+        return (aligned(lanes, T), aligned(lanes, T), np.zeros(16, dtype=np.int32), aligned(arena, T), aligned(arena, T))
 
-    def field_of(self, body: int) -> Field:
+    def field_of(self, body: int) -> Any:
         return self.fields[body if len(self.fields) > 1 else 0]
 
-    def node_positions(self) -> Any:
-        """Positions of the stored nodes, float64[n_nodes, dim]."""
-        if self.X_nodes is not None:
-            return self.X_nodes
-        grid, low = self.c.grid, self.plan.operator.padding[0]
-        axes = [grid.lower[a] + (np.arange(self.shape[a]) - low) * grid.spacing[a] for a in range(self.c.dim)]
-        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, self.c.dim)
+    def node_positions(self, field: Any = None) -> Any:
+        """Positions of the stored nodes of a field, float64[n_nodes, dim]."""
+        return (field or self.fields[0]).positions()
 
-    def _face_nodes(self, faces: tuple[str, ...]) -> tuple[Any, Any]:
-        """Numbers and outward normals of the nodes on faces; a node on two faces is listed twice."""
-        grid, x = self.c.grid, self.node_positions()
-        numbers, normals = [], []
-        for face in faces:
-            axis, upper = "xyz".index(face[0]), face.endswith("max")
-            wall = grid.upper[axis] if upper else grid.lower[axis]
-            on = np.flatnonzero(np.abs(x[:, axis] - wall) < 1e-6 * grid.spacing[axis])
-            n: Any = np.zeros((on.size, 3), dtype=self.dtype)
-            n[:, axis] = 1.0 if upper else -1.0
-            numbers.append(on)
-            normals.append(n)
-        if not numbers:
-            return np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=self.dtype)
-        return np.concatenate(numbers).astype(np.int64), np.concatenate(normals)
+    # --- places of particles and nodes --------------------------------------------------------------------------
+    def _place(self) -> None:
+        """Sort the bodies that need it and bind the operations to what has changed."""
+        if not self.places.update(self.module):
+            return
+        for k, field in enumerate(self.fields):
+            field.update(self.places.blocks[k : k + 1] if len(self.fields) > 1 else self.places.blocks)
+        self.bind()
 
-    # --- binding ------------------------------------------------------------------------------------------------
-    def _particle_arguments(self, k: int) -> tuple[Any, ...]:
-        s, G = self.stores[k], self.field_of(k).G
-        middle = s.operator if self.c.stored_operator else (self.lat,)
-        return (s.P, s.n, G, self.body_par[k], *middle, s.out, s.flag)
+    def bind(self) -> None:
+        """Make the operations of a step anew, with the present arrays."""
+        if self.contact is not None:
+            self.contact.update()
+        self.node_work = [np.zeros(f.active * len(WORK)) for f in self.fields]
+        self.operations = self._bind(self.plan.schedule)
+        self.start_operations = self._bind(self.plan.start)
 
-    def _node_arguments(self, field: Field) -> tuple[Any, ...]:
-        return (field.G, field.span, *((self.X_nodes,) if self.c.stored_operator else ()))
+    def particle_arguments(self, k: int, acc: Any) -> tuple[Any, ...]:
+        """Arguments of a loop over the particles of body k after the range of blocks."""
+        s, b, field = self.stores[k], self.places.blocks[k], self.field_of(k)
+        if self.c.stored_operator:
+            return (s.P, b.starts, *s.operator, field.G, self.body_par[k], acc)
+        return (s.P, b.starts, b.corner, b.home, b.edge, field.G, self.body_par[k], acc)
 
     def _bind(self, schedule: Schedule) -> list[Operation]:
-        operations: list[Operation] = []
-        for phase in schedule.phases:
-            operations += self._bind_phase(phase, schedule)
-        return operations
+        return [(phase.name, operation) for phase in schedule.phases for operation in self._operations(phase, schedule)]
 
-    def _bind_phase(self, phase: Phase, schedule: Schedule) -> list[Operation]:
-        m = self.module
-        tail = (self.node_par, self.lat, self.work)
+    def _operations(self, phase: Phase, schedule: Schedule) -> list[Callable[[Any, Any], None]]:
         if phase.kind == "particles":
-            return [
-                (phase.name, getattr(m, f"{phase.name}_{s.group.name}"), self._particle_arguments(k)) for k, s in enumerate(self.stores)
-            ]
-        if phase.kind == "loads":
-            return self._bind_load(phase)
+            return [bindings.over_particles(self, k, phase.name, self.places.acc[k]) for k in range(len(self.stores))]
         if phase.kind == "nodes":
-            more = (self.dtype(phase.number),) if phase.name.startswith("filter") else ()
-            return [(phase.name, getattr(m, phase.name), (*self._node_arguments(f), *more, *tail)) for f in self.fields]
+            return [bindings.over_nodes(self, k, phase) for k in range(len(self.fields))]
+        if phase.kind == "loads":
+            return bindings.loads(self, phase)
         if phase.kind == "boundary":
-            return self._bind_boundary(phase, tail)
+            return bindings.boundary(self, phase)
         if phase.kind == "contact":
             assert self.contact is not None
-            first = phase.channel == schedule.contact_channels[0] and phase is next(p for p in schedule.phases if p.kind == "contact")
-            return [(phase.name, self.contact.operation(phase.channel, find=first), ())]
+            first = next(p for p in schedule.phases if p.kind == "contact")
+            return [self.contact.operation(phase.channel, find=phase is first)]
         from mpmkit._core.running.consistent import ConsistentMomentum
 
-        return [(phase.name, ConsistentMomentum(self), ())]
-
-    def _bind_boundary(self, phase: Phase, tail: tuple[Any, ...]) -> list[Operation]:
-        layer, function = self.c.layers[phase.role], getattr(self.module, phase.name)
-        faces = layer.faces_of(self.c.grid)
-        if faces:
-            numbers, normals = self._face_nodes(faces)
-        else:
-            numbers = np.flatnonzero(layer.nodes_in(self.node_positions(), self.t)).astype(np.int64)
-            normals = np.zeros((numbers.size, 3), dtype=self.dtype)
-        extra = (self.X_nodes,) if self.c.stored_operator else ()
-        if getattr(layer, "moving", None) is None:
-            return [(phase.name, function, (f.G, numbers, normals, *extra, *tail)) for f in self.fields]
-
-        x = self.node_positions()
-
-        def moving(t: Any, dt: Any) -> None:
-            now = np.flatnonzero(layer.nodes_in(x, float(t))).astype(np.int64)
-            for f in self.fields:
-                function(f.G, now, np.zeros((now.size, 3), dtype=self.dtype), *extra, *tail, t, dt)
-
-        return [(phase.name, moving, ())]
-
-    def _bind_load(self, phase: Phase) -> list[Operation]:
-        layer = self.c.layers[phase.role]
-        out: list[Operation] = []
-        for k, (s, body) in enumerate(zip(self.stores, self.c.sim.bodies, strict=True)):
-            if getattr(layer, "body", None) not in (None, self.c.sim.body_name(body)):
-                continue
-            chosen = layer.select(s.points, self.c.grid)
-            assert chosen is not None
-            arrays: Any = tuple(np.ascontiguousarray(a, dtype=self.dtype) for a in (chosen.area, chosen.normals, chosen.arms))
-            out.append(
-                (phase.name, getattr(self.module, f"{phase.name}_{s.group.name}"), (*self._particle_arguments(k), chosen.chosen, *arrays))
-            )
-        return out
+        return [ConsistentMomentum(self)]
 
     # --- running ------------------------------------------------------------------------------------------------
     def start(self) -> None:
         """Initial stresses and wave speeds; nodes of stored operators get their masses and velocities."""
         zero = self.dtype(0.0)
-        self.outs[:, 0] = 0.0
-        for k, s in enumerate(self.stores):
-            getattr(self.module, f"initial_{s.group.name}")(*self._particle_arguments(k), zero, zero)
-        self._update_spans()
-        for _, function, arguments in self._bind(self.plan.start):
-            function(*arguments, zero, zero)
+        for k in range(len(self.stores)):
+            bindings.over_particles(self, k, "initial", self.places.acc[k])(zero, zero)
+            self.outs[k, [SPEED, DIFFUSION]] = self._reduced(self.places.acc[k], self.places.blocks[k].count, len(ACCOUNTS))[0][:2]
+        for _, operation in self.start_operations:
+            operation(zero, zero)
 
     def step(self, dt: float) -> None:
-        """One step of length dt."""
+        """One step of length dt.
+
+        Raises
+        ------
+        StabilityError
+            If the step before has left particles that no loop may touch (`guards.check` says which).
+        """
+        if self.flags.any():
+            raise StabilityError(f"step {self.step_number} left particles that are inverted, too wide, outside or not a number")
         clock, clocks = time.perf_counter, self.clocks
         begin = clock()
         t_, dt_ = self.dtype(self.t), self.dtype(dt)
         if not self.c.stored_operator:
+            self._place()
+            now = clock()
+            clocks["sort"] = clocks.get("sort", 0.0) + now - begin
             for field in self.fields:
-                field.G[field.span[0] * self.channels : field.span[1] * self.channels] = 0.0
-            self._update_spans()
-        now = clock()
-        clocks["zero"] = clocks.get("zero", 0.0) + now - begin
-        for name, function, arguments in self.operations:
-            function(*arguments, t_, dt_)
+                bindings.clear(self, field)
+            begin, now = now, clock()
+            clocks["zero"] = clocks.get("zero", 0.0) + now - begin
+        else:
+            now = begin
+        for name, operation in self.operations:
+            operation(t_, dt_)
             then, now = now, clock()
             clocks[name] = clocks.get(name, 0.0) + now - then
+        self._account()
+        clocks["accounts"] = clocks.get("accounts", 0.0) + clock() - now
         self.t += dt
         self.step_number += 1
 
-    def _update_spans(self) -> None:
-        """Range of nodes that the particles can reach, from their extent along the first axis."""
-        if self.c.stored_operator:
-            return
-        grid, operator, stride = self.c.grid, self.plan.operator, int(self.lat[3])
-        for k, field in enumerate(self.fields):
-            outs = self.outs[k : k + 1] if len(self.fields) > 1 else self.outs
-            low = int((outs[:, 3].min() - grid.lower[0]) / grid.spacing[0] - operator.offset) - 1
-            high = int((outs[:, 4].max() - grid.lower[0]) / grid.spacing[0]) + operator.nodes + 1
-            field.span[0] = max(0, low + operator.ghosts) * stride
-            field.span[1] = min(self.shape[0], high + operator.ghosts + 1) * stride
+    def _account(self) -> None:
+        """Take over what the loops have left in the accounts of their blocks."""
+        for k in range(len(self.stores)):
+            largest, sums = self._reduced(self.places.acc[k], self.places.blocks[k].count, len(ACCOUNTS))
+            self.outs[k, :2] = largest[:2]
+            self.places.drift[k] += largest[MOVED]
+            self.outs[k, VISCOUS] += sums[VISCOUS]
+            self.outs[k, EXTERNAL] += sums[EXTERNAL]
+            self.flags[k] = largest[MOVED + 1 : MOVED + 4] > 0.0
+        for field, work in zip(self.fields, self.node_work, strict=True):
+            self.work += self._reduced(work, field.active, len(WORK))[1][: len(WORK)]
+            work[:] = 0.0
+
+    def _reduced(self, acc: Any, count: int, width: int) -> tuple[Any, Any]:
+        self.module.reduce(acc, count, width, self._largest, self._sums)
+        return self._largest, self._sums
 
     # --- sums ---------------------------------------------------------------------------------------------------
-    def _bind_ledger(self) -> None:
-        self.sums = np.zeros((len(self.stores), 16))
-
     def ledger(self) -> dict[str, float]:
         """Sums over all bodies, and the works done since the start."""
         zero = self.dtype(0.0)
-        self.sums[:] = 0.0
-        for k, s in enumerate(self.stores):
-            arguments = list(self._particle_arguments(k))
-            arguments[-2] = self.sums[k]
-            getattr(self.module, f"ledger_{s.group.name}")(*arguments, zero, zero)
-        row = dict(zip(LEDGER, self.sums.sum(axis=0), strict=False))
+        total = np.zeros(len(LEDGER))
+        for k in range(len(self.stores)):
+            acc = self.places.ledger_acc(k, len(LEDGER))
+            bindings.over_particles(self, k, "ledger", acc)(zero, zero)
+            total += self._reduced(acc, self.places.blocks[k].count, len(LEDGER))[1][: len(LEDGER)]
+        row: dict[str, float] = dict(zip(LEDGER, total.tolist(), strict=True))
         if self.c.stored_operator:
             row |= self._nodal_motion()
         row |= dict(zip(WORK, self.work, strict=True))
-        row["external"] += float(self.outs[:, 5].sum())
-        row["viscous"] = float(self.outs[:, 2].sum())
+        row["external"] += float(self.outs[:, EXTERNAL].sum())
+        row["viscous"] = float(self.outs[:, VISCOUS].sum())
         return {name: float(value) for name, value in row.items()}
 
     def _nodal_motion(self) -> dict[str, float]:
         """Momentum and kinetic energy of nodes that carry the velocity themselves."""
-        G, layout = self.fields[0].G.reshape(-1, self.channels), self.plan.node_layout
+        field, layout = self.fields[0], self.plan.node_layout
+        G = field.G[: field.n_nodes * self.channels].reshape(-1, self.channels)
         m, v = G[:, layout.start["m"]], G[:, layout.start["v"] : layout.start["v"] + self.c.dim]
         momentum = (m[:, None] * v).sum(axis=0)
         return {f"momentum_{a}": momentum[k] for k, a in enumerate("xyz"[: self.c.dim])} | {"kinetic": 0.5 * (m[:, None] * v * v).sum()}
 
     # --- state --------------------------------------------------------------------------------------------------
+    def bytes(self) -> dict[str, int]:
+        """Memory of particles, nodes and scratch arrays, with the numbers of stored nodes and of their blocks."""
+        return {
+            "particles": sum(s.P.nbytes + s.ids.nbytes for s in self.stores),
+            "nodes": sum(f.G.nbytes for f in self.fields),
+            "scratch": sum(a.nbytes for arrays in self.scratch for a in arrays),
+            "stored nodes": sum(f.n_nodes for f in self.fields),
+            "blocks": sum(f.active for f in self.fields),
+        }
+
     def state(self) -> dict[str, Any]:
         """Every array that the next step depends on (views, not copies)."""
         arrays = {f"P/{s.name}": s.P for s in self.stores} | {"work": self.work, "outs": self.outs}
-        if self.c.stored_operator:
-            arrays["nodes"] = self.fields[0].G
-        return arrays
+        return arrays | (self.places.state() if not self.c.stored_operator else {"nodes": self.fields[0].G})
 
     def restore(self, arrays: dict[str, Any], t: float, step: int) -> None:
-        for name, array in self.state().items():
-            array[...] = arrays[name]
+        for s in self.stores:
+            s.P[:] = arrays[f"P/{s.name}"]
+        self.work[:], self.outs[:] = arrays["work"], arrays["outs"]
+        if self.c.stored_operator:
+            self.fields[0].G[:] = arrays["nodes"]
+        else:
+            self.places.restore(arrays)
+            for k, field in enumerate(self.fields):
+                field.update(self.places.blocks[k : k + 1] if len(self.fields) > 1 else self.places.blocks)
+            self.bind()
         self.t, self.step_number = t, step
-        for field in self.fields:
-            if not self.c.stored_operator:
-                field.span[:] = (0, self.n_nodes)  # the first step clears everything

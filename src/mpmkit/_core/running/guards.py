@@ -16,7 +16,7 @@ def check(engine: Engine) -> None:
     StabilityError
         NaN, J <= 0, a particle outside the domain; names particle, body, material, step and time.
     """
-    if engine.flags.max() >= 0:
+    if engine.flags.any():
         _explain(engine)
     speed = engine.outs[:, 0].max()
     if not np.isfinite(speed):
@@ -27,14 +27,24 @@ def check(engine: Engine) -> None:
 
 
 def _explain(engine: Engine) -> None:
-    body = int(np.argmax(engine.flags.max(axis=1) >= 0))
-    store, flag = engine.stores[body], engine.flags[body]
-    particle = int(flag[1] if flag[1] >= 0 else flag[0] if flag[0] >= 0 else flag[2])
-    x, v = store.get("x")[particle], store.get("v")[particle]
-    J = float(store.get("J")[particle])
+    body = int(np.argmax(engine.flags.any(axis=1)))
+    store, (inverted, outside, _) = engine.stores[body], engine.flags[body]
+    at = store.get("x")
+    J_all = store.get("J")
+    if outside:
+        wrong = ~((at >= engine.c.grid.lower) & (at <= engine.c.grid.upper)).all(axis=1)
+    elif inverted:
+        wrong = ~(J_all > 0.0)
+    else:
+        stretch = store.get("F")[:, [0, 4, 8][: engine.c.dim]]
+        shape = engine.c.shape
+        assert shape is not None
+        wrong = ~(store.get("size") * stretch / np.asarray(engine.c.grid.spacing) <= shape.max_half).all(axis=1)
+    particle = int(np.argmax(wrong))
+    x, v, J = at[particle], store.get("v")[particle], float(J_all[particle])
     if not (np.isfinite(x).all() and np.isfinite(v).all()):
         raise StabilityError(_where(engine, body, particle, "position or velocity is not a number (NaN)", _cfl(engine)))
-    if flag[1] >= 0:
+    if outside:
         grid = engine.c.grid
         raise StabilityError(
             _where(
@@ -45,9 +55,9 @@ def _explain(engine: Engine) -> None:
                 "enlarge the grid, or put a Wall or Symmetry on that face",
             )
         )
-    if flag[0] < 0:
+    if not inverted:
+        assert engine.c.shape is not None
         shape = engine.c.shape
-        assert shape is not None
         reason = f"it has been stretched to more than {2 * shape.max_half:g} cells, farther than {type(shape).__name__} reaches"
         raise StabilityError(_where(engine, body, particle, reason, "raise reach, use more particles per cell, or a coarser grid"))
     reason = "J = det F is not a number (NaN)" if not np.isfinite(J) else f"the material is inverted, J = {J:.4g} <= 0"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import threading
-import time
 import warnings
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -16,12 +15,13 @@ import mpmkit
 from mpmkit._core.composing import contract, jit
 from mpmkit._core.composing.composition import collect
 from mpmkit._core.composing.plan import make_plan
-from mpmkit._core.running import checkpoint, guards, timestep
+from mpmkit._core.running import checkpoint, guards, memory, snapshot, timestep, workers
 from mpmkit._core.running.engine import Engine
 from mpmkit._core.running.ledger import COLUMNS, Ledger
 from mpmkit._core.running.progress import Reporter
 from mpmkit._core.running.recorder import Recorder
 from mpmkit._core.running.store import BodyStore
+from mpmkit._core.running.writing import Writer
 from mpmkit.errors import CompositionError, MpmkitError, ResultsError, StabilityError
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from mpmkit.simulation import Simulation
 
-SNAPSHOT_SECONDS = 0.5  # wall time between copies of the state in memory, the last good state of a failing run
 # Energy out of nothing, relative to the largest energy of the run, which contains it: at one half the energy has doubled.
 CREATED_WARN, CREATED_STOP = 0.05, 0.5
 # Steps without these guards: velocities lag by half a step, so after n steps under a sudden load 1/(2n) of the energy is missing or over.
@@ -45,9 +44,10 @@ class Run:
         self.sim = sim
         composition = collect(sim)
         self.warnings = contract.check(composition)
+        self.plan = make_plan(composition)
+        memory.check(self.plan)
         points = self._sample(composition)
         contract.check_state(composition, points)
-        self.plan = make_plan(composition)
         dtype = self.plan.dtype
         stores = [
             BodyStore(composition.group_of(k), sim.body_name(b), p, b.material.rho, dtype)
@@ -58,9 +58,13 @@ class Run:
         self.n_particles = sum(s.n for s in stores)
         self._stores = stores
         self._engine: Engine | None = None
+        self._threads: int | None = None
         self.rows: list[dict[str, float]] = []
         self.frames: list[tuple[float, int, dict[str, Any]]] = []
         self.recorders: list[Recorder] = []
+        self.writer = Writer()
+        self._snapshot: snapshot.Snapshot | None = None  # since the first step
+        self._whole = True  # no step has been begun and not come to a good end
         self.first_dt = 0.0
         self.limit: timestep.Limit | None = None
         self._warned = False
@@ -105,15 +109,23 @@ class Run:
     def engine(self) -> Engine:
         """The engine; made, compiled and started at first use."""
         if self._engine is None:
-            self._engine = Engine(self.plan, self._stores)
+            self._engine = Engine(self.plan, self._stores, self._threads)
             self._engine.start()
             self.ledger = Ledger(self._engine)
             self.rows.append(self.ledger.row(0.0))
         return self._engine
 
+    def use(self, threads: int | None) -> None:
+        """Step with this many threads from now on; refused before anything is compiled (see `workers.chosen`)."""
+        workers.chosen(threads, self.n_particles)
+        self._threads = threads
+        if self._engine is not None:
+            self._engine.use(threads)
+
     # --- running ------------------------------------------------------------------------------------------------
-    def to(self, until: float, *, quiet: bool = False) -> None:
+    def to(self, until: float, *, quiet: bool = False, threads: int | None = None) -> None:
         """Step to `until`; see `Simulation.run`."""
+        self.use(threads)
         fresh = not self.recorders and bool(self.sim.records)
         if fresh:
             for record in self.sim.records:
@@ -125,6 +137,7 @@ class Run:
             start_time=self._engine.t if self._engine else 0.0,
             start_step=self._engine.step_number if self._engine else 0,
         )
+        self.writer.seconds = 0.0
         if not self._warm:
             with reporter.compiling():
                 self._warm_up()
@@ -147,7 +160,9 @@ class Run:
             self.frames.append((engine.t, engine.step_number, self.frame()))
         momentum = self.momentum_error()
         files = [path for r in self.recorders for path in r.files()]
-        reporter.finish(engine.clocks, balance=self.ledger.last["balance"], momentum_error=momentum, files=files)
+        reporter.finish(
+            engine.clocks, balance=self.ledger.last["balance"], momentum_error=momentum, files=files, writing=self.writer.seconds
+        )
 
     def _warm_up(self) -> None:
         """Compile everything before the clock of the run starts: one step of length zero, then the state as it was."""
@@ -155,21 +170,19 @@ class Run:
         self._warm = True
         if not jit.enabled():
             return  # plain Python has nothing to compile, and minds kernels that divide by a step of length zero
-        t, step = engine.t, engine.step_number
-        saved = {name: array.copy() for name, array in engine.state().items()}
-        engine.step(0.0)
-        engine.ledger()
-        engine.restore(saved, t, step)
+        with snapshot.unchanged(engine):
+            engine.step(0.0)
+            engine.ledger()
         engine.clocks.clear()
-        engine.flags[:] = -1
+        engine.flags[:] = False
 
     def _loop(self, until: float, reporter: Reporter) -> None:
         engine = self.engine
         every = min((r.record.history for r in self.recorders), default=10)
         if engine.t >= until:
             return
-        self._snapshot()
-        next_snapshot = time.perf_counter() + SNAPSHOT_SECONDS
+        self._snapshot = self._snapshot or snapshot.Snapshot(engine)
+        self._snapshot.take()
         with self._interruptible():
             while engine.t < until:
                 self.limit = timestep.next_step(engine)
@@ -182,9 +195,11 @@ class Run:
                         f"{engine.step_number}, t = {engine.t:.6g} s; "
                         f"limited by {self.limit.rule}. To fix: look at the body named there, lower cfl, or refine the grid"
                     )
-                engine.outs[:, 0:2] = 0.0
+                self._whole = False
                 engine.step(dt)
                 guards.check(engine)
+                self._whole = True
+                self.writer.check()
                 if arrived:
                     engine.t = target  # frames lie on their times exactly
                 due = [r for r in self.recorders if arrived and r.due(engine.t, until)]
@@ -193,15 +208,14 @@ class Run:
                     self._energy_guard()
                 for r in self.recorders:
                     r.after_step(engine.step_number, self.ledger.last, r in due)
-                reporter.update(engine.step_number, engine.t, dt, self.ledger.last["balance"])
-                if time.perf_counter() > next_snapshot:
-                    self._snapshot()
-                    next_snapshot = time.perf_counter() + SNAPSHOT_SECONDS
+                reporter.update(engine.step_number, engine.t, dt, self.ledger.last["balance"], self.writer.seconds)
+                self._snapshot.take()
                 if self._stop:
                     raise KeyboardInterrupt
         for r in self.recorders:
             if r.record.checkpoint:
                 r.checkpoint(always=True)
+        self.writer.finish()
 
     @contextmanager
     def _interruptible(self) -> Iterator[None]:
@@ -239,34 +253,41 @@ class Run:
             )
 
     # --- last good state ----------------------------------------------------------------------------------------
-    def _snapshot(self) -> None:
-        """Copy the state into memory that was allocated once."""
-        state = self.engine.state()
-        if not hasattr(self, "_copy"):
-            self._copy = {name: array.copy() for name, array in state.items()}
-        for name, array in state.items():
-            self._copy[name][...] = array
-        self._copy_at = (self.engine.t, self.engine.step_number)
-
     def _leave(self, error: BaseException) -> None:
         """After a failure: the last good state, on disk where there is a record, in the simulation otherwise; the error says where."""
-        if not hasattr(self, "_copy"):
+        if self._snapshot is None:
             return
         engine = self.engine
-        if not isinstance(error, KeyboardInterrupt) or not self._stop:
-            engine.restore(self._copy, *self._copy_at)
-            engine.flags[:] = -1
-        places = []
+        unwritten = self.writer.settle()
         for r in self.recorders:
-            try:
-                places.append(str(r.checkpoint(always=True)))
-            except MpmkitError as second:
-                places.append(f"not written ({second})")
-        where = ", ".join(places) if places else "kept in this simulation (no Record was added)"
-        error.args = (
-            f"{error.args[0] if error.args else 'interrupted'}\nlast good state: step {engine.step_number}, t = {engine.t:.6g} s, {where}",
-            *error.args[1:],
-        )
+            r.forget_lost()
+        good = self._whole and not isinstance(error, StabilityError)
+        if not good and self._snapshot.kept:
+            self._snapshot.restore()
+            good = self._whole = True
+        here = f"step {engine.step_number}, t = {engine.t:.6g} s"
+        on_disk = [f"step {r.on_disk[1]}, t = {r.on_disk[0]:.6g} s, {r.path}" for r in self.recorders if r.on_disk]
+        if good and unwritten is None and self.recorders:
+            where = f"{here}, {', '.join(map(self._saved, self.recorders))}"
+        elif on_disk:  # what is written is never later than a frame that was lost
+            where = f"{', '.join(on_disk)} (the last checkpoint)"
+        elif good:
+            where = f"{here}, kept in this simulation" + ("" if self.recorders else " (no Record was added)")
+        else:
+            where = (
+                f"not kept: of a state of {snapshot.size(engine) >> 20} MiB there is no copy in memory (that ends at "
+                f"{snapshot.IN_MEMORY >> 20} MiB), and no checkpoint was written; add a Record(path, checkpoint=True)"
+            )
+        error.args = (f"{error.args[0] if error.args else 'interrupted'}\nlast good state: {where}", *error.args[1:])
+
+    def _saved(self, recorder: Recorder) -> str:
+        """Write a checkpoint now; say where it is, or why it is not."""
+        try:
+            recorder.checkpoint(always=True)
+            self.writer.finish()
+        except MpmkitError as error:
+            return f"not written ({error})"
+        return str(recorder.path)
 
     def resume(self, path: str | PathLike[str]) -> None:
         """Take the state of a checkpoint; see `Simulation.resume`."""

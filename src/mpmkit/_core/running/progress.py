@@ -51,6 +51,7 @@ class Reporter:
         self._start_time, self._start_step = start_time, start_step
         self._step, self._time, self._dt, self._balance = start_step, start_time, 0.0, float("nan")
         self._particle_steps = 0
+        self._writing = 0.0
         self._began = clock.perf_counter()
         self._interval = TERMINAL_SECONDS if self._live else FILE_SECONDS
         self._next = self._began + self._interval
@@ -71,7 +72,7 @@ class Reporter:
             self._next = self._mark[0] + self._interval
             self._say(f"compiled {what} in {took:.1f} s")
 
-    def update(self, step: int, time: float, dt: float, balance: float = float("nan")) -> None:
+    def update(self, step: int, time: float, dt: float, balance: float = float("nan"), writing: float = 0.0) -> None:
         """Tell of a finished step.
 
         Parameters
@@ -82,9 +83,11 @@ class Reporter:
             Simulated time after it and its length [s].
         balance : float
             Energy that appeared or vanished so far, relative to the largest energy of the run [1]; nan if not known.
+        writing : float
+            Wall time so far for which writing results has held up the run [s].
         """
         self._particle_steps += (step - self._step) * self.n_particles
-        self._step, self._time, self._dt, self._balance = step, time, dt, balance
+        self._step, self._time, self._dt, self._balance, self._writing = step, time, dt, balance, writing
         now = clock.perf_counter()
         if now >= self._next and not self.quiet:
             self._show(now)
@@ -96,6 +99,7 @@ class Reporter:
         balance: float | None = None,
         momentum_error: float | None = None,
         files: Sequence[str | Path] = (),
+        writing: float | None = None,
         status: str = "finished",
     ) -> None:
         """Close the line and print the summary.
@@ -110,6 +114,8 @@ class Reporter:
             Momentum that appeared or vanished, relative to the momentum exchanged [1].
         files : sequence of path
             What the run leaves.
+        writing : float, optional
+            Wall time for which writing results has held up the run [s]; that last given to `update` if none is given.
         status : str
             "finished", or how it ended otherwise, such as "interrupted".
         """
@@ -131,6 +137,9 @@ class Reporter:
             "steps": f"{self._step - self._start_step:,}",
             "speed": f"{si(self._particle_steps / stepping)}particle-steps/s",
         }
+        writing = self._writing if writing is None else writing
+        if writing:
+            facts["writing"] = f"{writing:.3g} s ({writing / stepping:.1%})"
         balance = self._balance if balance is None else balance
         if not math.isnan(balance):
             facts["energy balance"] = f"{balance:+.1e}"
@@ -168,6 +177,9 @@ class Reporter:
             f"step {self._step}", f"t {self._time:.4g} s ({self._fraction:.1%})", f"dt {self._dt:.2e} s",
             f"{si(self._speed)}particle-steps/s", f"ETA {eta}",
         ]  # fmt: skip
+        if self._writing:
+            stepping = max(self._mark[0] - self._began - self.compile_seconds, 1e-9)
+            parts.append(f"writing {self._writing / stepping:.1%}")
         if not math.isnan(self._balance):
             parts.append(f"energy balance {self._balance:+.1e}")
         return parts

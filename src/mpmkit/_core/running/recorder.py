@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from mpmkit._core.running import checkpoint, paths
 from mpmkit._core.running.history import HistoryFile
 from mpmkit._core.running.ledger import COLUMNS
 from mpmkit._core.running.store import components_of
+from mpmkit._core.running.unpacking import unpack
 from mpmkit._core.running.vtkhdf import ParticleFile
 from mpmkit.errors import FieldContractError, ResultsError, did_you_mean
 from mpmkit.record import Record
@@ -20,7 +22,9 @@ from mpmkit.record import Record
 if TYPE_CHECKING:
     from mpmkit._core.running.loop import Run
 
-CHECKPOINT_SECONDS = 1.0  # least wall time between two checkpoints
+CHECKPOINT_SECONDS = 1.0  # least wall time between two checkpoints ...
+CHECKPOINT_COST = 0.02  # ... whose writing takes no longer than this; longer ones are as much rarer, so that they take 2 % at most
+STATE_SECONDS = 60.0  # wall time after which there is a checkpoint also between two frames
 SCALARS = ("kinetic", "stored", "dissipated", "external_work", "energy", "balance")
 
 
@@ -29,6 +33,7 @@ class Recorder:
 
     def __init__(self, record: Record, run: Run, *, resumed: int | None = None) -> None:
         self.record, self.run = record, run
+        self.path = paths.checkpoint_path(record.path)
         stores = run._stores
         for name in record.fields:
             for s in stores:
@@ -38,12 +43,13 @@ class Recorder:
                         f"it has {', '.join(s.available())}"
                     )
         self.names = tuple(f for f in record.fields if f != "x")
-        self.last_checkpoint = 0.0
+        self.last_checkpoint = self.cost = 0.0
         self.saved_step = -1
+        self.on_disk: tuple[float, int] | None = None  # time and step of the last checkpoint that is written
         self.row_step = -1
         self.times: list[float] = []
         history = paths.history_path(record.path)
-        checkpoint.remove_stale(paths.checkpoint_path(record.path))
+        checkpoint.remove_stale(self.path)
         if resumed is None:
             widths = {f: components_of(f, stores[0]) for f in self.names}
             body = np.concatenate([np.full(s.n, k, dtype=np.int32) for k, s in enumerate(stores)])
@@ -104,62 +110,71 @@ class Recorder:
         if due:
             self._frame(row)
             self.checkpoint()
+        elif time.perf_counter() - self.last_checkpoint > STATE_SECONDS:
+            self.checkpoint()
 
     def _row(self, row: dict[str, float]) -> None:
         self.history.append(row)
         self.row_step = int(row["step"])
 
     def _frame(self, row: dict[str, float]) -> None:
-        engine = self.run.engine
-        data = self.run.frame(("x", *self.names))
-        x = data.pop("x")
-        data.pop("body")
-        self.times.append(engine.t)
-        self.file.append(
-            engine.t,
-            engine.step_number,
-            _three(x),
-            {n: _three(v) if self._is_vector(n) else v for n, v in data.items()},
-            {s: row[s] for s in SCALARS},
-        )
+        engine, writer = self.run.engine, self.run.writer
+        with writer.holding_up():
+            writer.wait((self, "frame"))  # first, so that there are never two frames in memory
+            data = {name: unpack(self.run._stores, name, self.file.dtype) for name in ("x", *self.names)}
+            numbers = {s: row[s] for s in SCALARS}
+            writer.submit((self, "frame"), partial(self.file.append, engine.t, engine.step_number, data.pop("x"), data, numbers))
+            self.times.append(engine.t)
+
+    def forget_lost(self) -> None:
+        """After a failed write: only frames that are in the file count, and nothing half-written is left."""
+        del self.times[self.file.n_frames :]
+        checkpoint.remove_stale(self.path)
 
     def frames_until(self, t: float) -> int:
         """Frames written up to this time: what a resumed run keeps."""
         return sum(one <= t for one in self.times)
 
-    def _is_vector(self, name: str) -> bool:
-        field = self.run._stores[0].layout.fields.get(name)
-        return field is not None and field.shape == "vector"
-
     # --- checkpoints --------------------------------------------------------------------------------------------
     def checkpoint(self, always: bool = False) -> Path:
-        """Write the state, unless the last checkpoint is younger than a second (`always`: unless it is this very state)."""
-        path = paths.checkpoint_path(self.record.path)
-        now, engine = time.perf_counter(), self.run.engine
+        """Write the state, unless the last checkpoint is too young (`always`: unless it is this very state)."""
+        path, writer = self.path, self.run.writer
+        began, engine = time.perf_counter(), self.run.engine
         if (not self.record.checkpoint and not always) or engine.step_number == self.saved_step:
             return path
-        finished = always or now - self.last_checkpoint >= CHECKPOINT_SECONDS
-        if finished:
-            run = self.run
-            scene, reason = run.sim.scene_text()
-            attributes: dict[str, Any] = run.identity() | {
-                "t": engine.t,
-                "step": engine.step_number,
-                "first_energy": run.ledger.first_energy,
-                "scale": run.ledger.scale,
-                "first_dt": run.first_dt,
-                "rows": [[row[c] for c in COLUMNS] for row in run.rows if row["step"] <= engine.step_number],
-                "frames": [r.frames_until(engine.t) for r in run.recorders] if run.recorders else [1] * len(run.sim.records),
-                "scene": scene,
-                "scene_error": reason,
-            }
-            checkpoint.save(path, engine.state(), attributes)
-            self.last_checkpoint, self.saved_step = now, engine.step_number
+        if always or began - self.last_checkpoint >= CHECKPOINT_SECONDS * max(1.0, self.cost / CHECKPOINT_COST):
+            with writer.holding_up():
+                writer.wait((self, "checkpoint"))
+                waited = time.perf_counter()
+                temporary = checkpoint.begin(path, engine.state(), self._attributes())
+                spent = time.perf_counter() - waited
+                writer.submit((self, "checkpoint"), partial(self._seal, path, temporary, (engine.t, engine.step_number), spent))
+            self.last_checkpoint, self.saved_step = began, engine.step_number
         return path
+
+    def _seal(self, path: Path, temporary: Path, at: tuple[float, int], spent: float) -> None:
+        began = time.perf_counter()
+        checkpoint.seal(path, temporary)
+        self.on_disk, self.cost = at, spent + time.perf_counter() - began
+
+    def _attributes(self) -> dict[str, Any]:
+        run, engine = self.run, self.run.engine
+        scene, reason = run.sim.scene_text()
+        return run.identity() | {
+            "t": engine.t,
+            "step": engine.step_number,
+            "first_energy": run.ledger.first_energy,
+            "scale": run.ledger.scale,
+            "first_dt": run.first_dt,
+            "rows": [[row[c] for c in COLUMNS] for row in run.rows if row["step"] <= engine.step_number],
+            "frames": [r.frames_until(engine.t) for r in run.recorders] if run.recorders else [1] * len(run.sim.records),
+            "scene": scene,
+            "scene_error": reason,
+        }
 
     def files(self) -> list[Path]:
         """What this record leaves on disk."""
-        found = [Path(self.record.path), paths.history_path(self.record.path), paths.checkpoint_path(self.record.path)]
+        found = [Path(self.record.path), paths.history_path(self.record.path), self.path]
         return [p for p in found if p.exists()]
 
 

@@ -10,6 +10,15 @@ from mpmkit._core.composing.composition import Group
 from mpmkit._core.composing.layout import LANES
 from mpmkit.fields import PARTICLE_FIELDS
 
+
+def aligned(n: int, dtype: type) -> Any:
+    """Zeros whose first element begins a cache line of 64 bytes, so that no tile of 16 lanes shares one with another."""
+    itemsize = np.dtype(dtype).itemsize
+    whole: Any = np.zeros(n + 64 // itemsize, dtype=dtype)
+    first = (-whole.ctypes.data % 64) // itemsize
+    return whole[first : first + n]
+
+
 FULL = {"scalar": 1, "vector": 3, "symmetric": 6, "tensor": 9}
 
 
@@ -20,19 +29,16 @@ class BodyStore:
     ----------
     P : array
         The packed buffer, tiles of 16 particles (see `mpmkit._core.composing.layout`).
-    out : float64[8]
-        Fastest signal, largest diffusivity, viscous dissipation, lowest and highest first coordinate, work of external forces.
-    flag : int64[4]
-        Number of a particle with J <= 0, and of one outside the domain; -1 if there is none.
+    ids : int32[n] or int64[n]
+        Which particle, in the order of the body's points, lies at each place of the buffer; the buffer is sorted by place in space.
     """
 
     def __init__(self, group: Group, name: str, points: Any, rho: float, dtype: type) -> None:
         self.group, self.name, self.n = group, name, len(points.x)
         self.layout = group.layout
         self.tiles = (self.n + LANES - 1) // LANES
-        self.P: Any = np.zeros(self.tiles * LANES * self.layout.size, dtype=dtype)
-        self.out = np.zeros(8)
-        self.flag = np.full(4, -1, dtype=np.int64)
+        self.P: Any = aligned(self.tiles * LANES * self.layout.size, dtype)
+        self.ids: Any = np.arange(self.n, dtype=np.int32 if self.n < 2**31 else np.int64)
         self.points = points
         self.operator: tuple[Any, ...] = ()
         dim = self.layout.dim
@@ -47,25 +53,29 @@ class BodyStore:
             if name_ in initial:
                 self.set(name_, initial[name_])
             elif field.initial:
-                value = np.zeros((self.n, FULL[field.shape]))
+                one = np.zeros(FULL[field.shape])
                 diagonal = {"tensor": (0, 4, 8), "symmetric": (0, 1, 2)}.get(field.shape, range(FULL[field.shape]))
-                value[:, list(diagonal)] = field.initial
-                self.set(name_, value[:, :dim] if field.shape == "vector" else value)
+                one[list(diagonal)] = field.initial
+                one = one[:dim] if field.shape == "vector" else one
+                self.set(name_, np.broadcast_to(one, (self.n, one.size)))
 
     def _tiled(self) -> Any:
         return self.P.reshape(self.tiles, self.layout.size, LANES)
 
     def set(self, name: str, value: Any) -> None:
-        """Write a field from its full form: (n,), (n, dim), (n, 6) or (n, 9)."""
+        """Write a field from its full form: (n,), (n, dim), (n, 6) or (n, 9), in the order of the body's points."""
         value = np.asarray(value).reshape(self.n, -1)
         start, tiled = self.layout.start[name], self._tiled()
-        padded = np.zeros(self.tiles * LANES)
+        padded = np.zeros(self.tiles * LANES, dtype=self.P.dtype)  # one component at a time: bodies may be large
         for k, full in enumerate(self.layout.stored(name)):
-            padded[: self.n] = value[:, full]
+            padded[: self.n] = value[self.ids, full]
             tiled[:, start + k, :] = padded.reshape(self.tiles, LANES)
 
     def get(self, name: str) -> Any:
-        """A field in full form: scalars (n,), vectors (n, dim), symmetric tensors (n, 6), tensors (n, 9); V, J, rho are derived."""
+        """A field in full form, in the order of the body's points; V, J and rho are derived.
+
+        Scalars are (n,), vectors (n, dim), symmetric tensors (n, 6), tensors (n, 9).
+        """
         if name not in self.layout.fields:
             if name == "J":
                 return np.linalg.det(self.get("F").reshape(-1, 3, 3))
@@ -78,12 +88,15 @@ class BodyStore:
         start, stored = self.layout.start[name], self.layout.stored(name)
         columns = self._tiled()[:, start : start + len(stored), :].transpose(0, 2, 1).reshape(-1, len(stored))[: self.n]
         if field.shape == "scalar":
-            return columns[:, 0].copy()
+            one = np.empty(self.n, dtype=self.P.dtype)
+            one[self.ids] = columns[:, 0]
+            return one
         width = self.layout.dim if field.shape == "vector" else FULL[field.shape]
         full = np.zeros((self.n, width), dtype=self.P.dtype)
         if field.initial and field.shape == "tensor":
             full[:, [0, 4, 8]] = field.initial
-        full[:, list(stored)] = columns
+        for k, column in enumerate(stored):
+            full[self.ids, column] = columns[:, k]
         return full
 
     def available(self) -> list[str]:

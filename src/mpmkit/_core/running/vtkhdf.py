@@ -55,6 +55,8 @@ class ParticleFile:
         The file.
     n_frames : int
         Frames that are whole.
+    dtype : numpy.dtype
+        Of positions and fields; arrays of this type are written as they are, without a copy.
     """
 
     def __init__(self, path: Path, file: Any) -> None:
@@ -64,11 +66,11 @@ class ParticleFile:
         self.static: tuple[str, ...] = tuple(meta["static"])
         self.scalars: tuple[str, ...] = tuple(meta["scalars"])
         self._compress: bool = meta["compress"]
-        self._dtype = np.dtype(meta["dtype"])
+        self.dtype = np.dtype(meta["dtype"])
         self._root, self._steps = file["VTKHDF"], file["VTKHDF/Steps"]
         self.n_frames = min(int(self._steps.attrs["NSteps"]), self._steps["Values"].shape[0])
         self._parts: dict[int, tuple[int, int]] = {}
-        self._last_static: dict[str, tuple[int, np.ndarray]] = {}
+        self._last_static: dict[str, tuple[int, int]] = {}  # first row and number of rows
         self._synced = clock.monotonic()
 
     @classmethod
@@ -131,7 +133,7 @@ class ParticleFile:
         file.flush()
         made = cls(path, file)
         for name, array in static.items():
-            made._last_static[name] = (append_rows(made._root["PointData"][name], array), array)
+            made._last_static[name] = (append_rows(made._root["PointData"][name], array), len(array))
         return made
 
     @classmethod
@@ -191,9 +193,9 @@ class ParticleFile:
         """
         if self._file is None:
             raise ResultsError(f"{self.path}: this result file is closed; open it again with ParticleFile.reopen")
-        points = columns(self.path, "x", x, 3, self._dtype)
+        points = columns(self.path, "x", x, 3, self.dtype)
         rows = {"Points": points} | {f"PointData/{k}": self._rows_of(k, n, data, len(points)) for k, n in self.fields.items()}
-        fixed = {k: self._fixed(k, data, len(points)) for k in self.static}
+        fixed = {k: array for k in self.static if (array := self._fixed(k, data, len(points))) is not None}
         unknown = sorted(set(data) - {"x", *self.fields, *self.static})
         if unknown:
             raise ResultsError(
@@ -222,9 +224,9 @@ class ParticleFile:
         part, first_cell = self._parts[n]
         offsets = {self._append_frame(root[name], array) for name, array in rows.items()}
         assert len(offsets) == 1, "all arrays of a frame begin at the same row"
-        for name, array in fixed.items():
-            if name not in self._last_static or not np.array_equal(self._last_static[name][1], array):
-                self._last_static[name] = (append_rows(root["PointData"][name], array), array)
+        for name in self.static:
+            if name in fixed:
+                self._last_static[name] = (append_rows(root["PointData"][name], fixed[name]), n)
             append_rows(steps["PointDataOffsets"][name], [self._last_static[name][0]])
         for name, value in numbers.items():
             append_rows(steps["FieldDataOffsets"][name], [append_rows(root["FieldData"][name], [value])])
@@ -265,7 +267,7 @@ class ParticleFile:
             # with the last frame's particle count, except before the first frame: then all there is
             count = int(counts[self._steps["PartOffsets"][n_frames - 1]]) if n_frames else stored.shape[0]
             stored.resize(first + count, axis=0)
-            self._last_static[name] = (first, stored[first:])
+            self._last_static[name] = (first, count)
         self._file.flush()
 
     def close(self) -> None:
@@ -286,9 +288,9 @@ class ParticleFile:
         chunk = max(1, -(-n // max(1, -(-n // 65536)))) if self._compress else min(max(n, 1024), 65536)
         # gzip with shuffle is all that VTK decodes
         filters = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if self._compress else {}
-        dataset(self._root, "Points", (3,), self._dtype, chunk, **filters)
+        dataset(self._root, "Points", (3,), self.dtype, chunk, **filters)
         for name, ncomp in self.fields.items():
-            dataset(self._root["PointData"], name, (ncomp,) if ncomp > 1 else (), self._dtype, chunk, **filters)
+            dataset(self._root["PointData"], name, (ncomp,) if ncomp > 1 else (), self.dtype, chunk, **filters)
 
     def _reserve(self, rows: dict[str, np.ndarray], fixed: dict[str, np.ndarray]) -> None:
         arrays = [*rows.values(), *fixed.values()]
@@ -307,19 +309,24 @@ class ParticleFile:
     def _rows_of(self, name: str, ncomp: int, data: Mapping[str, np.ndarray], n: int) -> np.ndarray:
         if name not in data:
             raise ResultsError(f"{self.path}: the frame lacks the field {name!r}, which this file was made for")
-        rows = columns(self.path, name, data[name], ncomp, self._dtype)
+        rows = columns(self.path, name, data[name], ncomp, self.dtype)
         if len(rows) != n:
             raise ResultsError(f"{self.path}: field {name!r} has {len(rows)} rows for {n} particles")
         return rows
 
-    def _fixed(self, name: str, data: Mapping[str, np.ndarray], n: int) -> np.ndarray:
+    def _fixed(self, name: str, data: Mapping[str, np.ndarray], n: int) -> np.ndarray | None:
+        """A fixed array that must be written with this frame; None if the last one in the file still holds."""
         stored = self._root["PointData"][name]
-        array = np.asarray(data[name] if name in data else self._last_static[name][1]).astype(stored.dtype)
-        if array.shape != (n, *stored.shape[1:]):
+        first, rows = self._last_static[name]
+        shape, array = (rows, *stored.shape[1:]), None
+        if name in data:
+            array = np.asarray(data[name]).astype(stored.dtype)
+            shape = array.shape
+        if shape != (n, *stored.shape[1:]):
             raise ResultsError(
-                f"{self.path}: {name!r} has shape {array.shape} for {n} particles; give it with the frame when the particles change"
+                f"{self.path}: {name!r} has shape {shape} for {n} particles; give it with the frame when the particles change"
             )
-        return array
+        return None if array is None or (rows == n and np.array_equal(stored[first : first + rows], array)) else array
 
     def _sync(self) -> None:
         self._file.flush()

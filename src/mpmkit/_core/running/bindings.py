@@ -1,0 +1,151 @@
+"""Phases of a step bound to their arrays: each becomes a function of time and time step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mpmkit._core.composing.schedule import Phase
+
+if TYPE_CHECKING:
+    from mpmkit._core.running.engine import Engine
+
+Step = Callable[[Any, Any], None]
+
+
+def over_particles(e: Engine, k: int, name: str, acc: Any) -> Step:
+    """A loop over the blocks of body k, on all threads; blocks that add to the same nodes are never at work together."""
+    name = f"{name}_{e.stores[k].group.name}"
+    function, arguments, team = getattr(e.module, name), e.particle_arguments(k, acc), e.team
+    blocks = e.places.blocks[k]
+    scratch = e.scratch
+    if team.size == 1:
+
+        def alone(t: Any, dt: Any) -> None:
+            function(0, blocks.count, *arguments, *scratch[0], t, dt)
+
+        return alone
+    turns = blocks.chunks(team.size) if name in e.plan.scatters else [blocks.ranges(team.size)]
+
+    def together(t: Any, dt: Any) -> None:
+        def work(thread: int, part: tuple[int, int]) -> None:
+            function(*part, *arguments, *scratch[thread], t, dt)
+
+        for turn in turns:
+            team.run(work, turn)
+
+    return together
+
+
+def over_nodes(e: Engine, k: int, phase: Phase) -> Step:
+    """A loop over the blocks of nodes of a field."""
+    field, function = e.fields[k], getattr(e.module, phase.name)
+    more = (e.dtype(phase.number),) if phase.name.startswith("filter") else ()
+    arguments = (field.G, field.n_nodes, where(e, field), *more, e.node_par, e.node_work[k])
+    parts = _parts(field.active, e.team.size)
+
+    def run(t: Any, dt: Any) -> None:
+        e.team.run(lambda thread, part: function(*part, *arguments, t, dt), parts)
+
+    return run
+
+
+def clear(e: Engine, field: Any) -> None:
+    """All channels of all stored nodes to zero."""
+    field.G[: field.n_nodes * e.channels] = 0.0
+
+
+def where(e: Engine, field: Any) -> Any:
+    """For each stored block the number of its first node in the grid, along each axis; of a mesh the positions of its nodes."""
+    if e.c.stored_operator:
+        return field.where
+    lattice = field.lattice
+    return field.blocks[:, : lattice.dim] * lattice.B - lattice.ghosts
+
+
+def _parts(count: int, threads: int) -> list[tuple[int, int]]:
+    if threads == 1:
+        return [(0, count)]
+    step = max(8, -(-count // (4 * threads)))
+    return [(a, min(a + step, count)) for a in range(0, count, step)]
+
+
+def face_nodes(e: Engine, field: Any, faces: tuple[str, ...]) -> tuple[Any, Any]:
+    """Numbers and outward normals of the nodes on faces; a node on two faces is listed twice."""
+    numbers: list[Any] = [np.zeros(0, dtype=np.int64)]
+    normals: list[Any] = [np.zeros((0, 3), dtype=e.dtype)]
+    for face in faces:
+        axis, upper = "xyz".index(face[0]), face.endswith("max")
+        if e.c.stored_operator:
+            wall = e.c.grid.upper[axis] if upper else e.c.grid.lower[axis]
+            on = np.flatnonzero(np.abs(field.where[:, axis] - wall) < 1e-6 * e.c.grid.spacing[axis])
+        else:
+            on = field.face_nodes(axis, upper)
+        n: Any = np.zeros((on.size, 3), dtype=e.dtype)
+        n[:, axis] = 1.0 if upper else -1.0
+        numbers.append(on.astype(np.int64))
+        normals.append(n)
+    return np.concatenate(numbers), np.concatenate(normals)
+
+
+def boundary(e: Engine, phase: Phase) -> list[Step]:
+    """A boundary layer on its nodes: on faces, in a region, or in a region that moves."""
+    layer, function = e.c.layers[phase.role], getattr(e.module, phase.name)
+    steps: list[Step] = []
+    for field in e.fields:
+        tail = (where(e, field), e.node_par, e.work)
+        faces = layer.faces_of(e.c.grid)
+        if faces:
+            steps.append(_on_nodes(function, (field.G, *face_nodes(e, field, faces), *tail)))
+        elif getattr(layer, "moving", None) is None:
+            steps.append(_on_nodes(function, (field.G, *_in_region(e, layer, field.positions(), e.t), *tail)))
+        else:
+            steps.append(_on_moving(e, layer, function, field, tail))
+    return steps
+
+
+def _in_region(e: Engine, layer: Any, x: Any, t: float) -> tuple[Any, Any]:
+    numbers = np.flatnonzero(layer.nodes_in(x, t)).astype(np.int64)
+    return numbers, np.zeros((numbers.size, 3), dtype=e.dtype)
+
+
+def _on_nodes(function: Callable[..., None], arguments: tuple[Any, ...]) -> Step:
+    return lambda t, dt: function(*arguments, t, dt)
+
+
+def _on_moving(e: Engine, layer: Any, function: Callable[..., None], field: Any, tail: tuple[Any, ...]) -> Step:
+    x = field.positions()
+
+    def run(t: Any, dt: Any) -> None:
+        function(field.G, *_in_region(e, layer, x, float(t)), *tail, t, dt)
+
+    return run
+
+
+def loads(e: Engine, phase: Phase) -> list[Step]:
+    """Loads of a layer of particles, found by their places in the sorted buffer."""
+    layer = e.c.layers[phase.role]
+    steps: list[Step] = []
+    for k, (s, body) in enumerate(zip(e.stores, e.c.sim.bodies, strict=True)):
+        if getattr(layer, "body", None) not in (None, e.c.sim.body_name(body)):
+            continue
+        layer_of = layer.select(s.points, e.c.grid)
+        assert layer_of is not None
+        function, arguments = getattr(e.module, f"{phase.name}_{s.group.name}"), e.particle_arguments(k, None)[:-1]
+        chosen, scratch = np.asarray(layer_of.chosen, dtype=np.int64), tuple[Any, ...]()
+        order: Any = slice(None)
+        if not e.c.stored_operator:
+            place = np.empty(s.n, dtype=np.int64)
+            place[s.ids] = np.arange(s.n)
+            order = np.argsort(place[chosen])
+            chosen = place[chosen][order]
+            blocks = np.searchsorted(e.places.blocks[k].starts, chosen, side="right") - 1
+            arguments = (arguments[0], blocks, *arguments[2:])
+            scratch = (e.scratch[0][0], e.scratch[0][2])
+        else:
+            arguments = (arguments[0], *arguments[2:])
+        arrays: Any = tuple(np.ascontiguousarray(a[order], dtype=e.dtype) for a in (layer_of.area, layer_of.normals, layer_of.arms))
+        steps.append(_on_nodes(function, (chosen, *arguments, *arrays, *scratch)))
+    return steps
