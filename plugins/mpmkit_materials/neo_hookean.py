@@ -2,7 +2,7 @@
 
 import mpmkit as mpm
 from mpmkit.math import log, sqrt
-from mpmkit.tensor import add_diagonal, det, largest_eigenvalue, left_cauchy_green, scale, trace
+from mpmkit.tensor import add_diagonal, det, largest_eigenvalue_bound, left_cauchy_green, scale, trace
 from mpmkit_materials.isotropic import IsotropicElastic
 
 
@@ -24,7 +24,7 @@ def quadratic_energy(F, lam, mu):
 def quadratic_wave_speed(F, J, lam, mu, rho):
     """rho0 c^2 = mu max(l^2) + max(0, mu + lam/2 (J^2 + 1)), l the stretches."""
     longitudinal = max(0.0, mu + 0.5 * lam * (J * J + 1.0))
-    return sqrt((mu * largest_eigenvalue(left_cauchy_green(F)) + longitudinal) / rho)
+    return sqrt((mu * largest_eigenvalue_bound(left_cauchy_green(F)) + longitudinal) / rho)
 
 
 @mpm.kernel
@@ -45,7 +45,7 @@ def log_energy(F, lam, mu):
 def log_wave_speed(F, J, lam, mu, rho):
     """rho0 c^2 = mu max(l^2) + max(0, mu + lam (1 - ln J)), l the stretches."""
     longitudinal = max(0.0, mu + lam * (1.0 - log(J)))
-    return sqrt((mu * largest_eigenvalue(left_cauchy_green(F)) + longitudinal) / rho)
+    return sqrt((mu * largest_eigenvalue_bound(left_cauchy_green(F)) + longitudinal) / rho)
 
 
 KERNELS = {
@@ -69,7 +69,8 @@ class NeoHookean(IsotropicElastic):
     .. math:: \rho_0 c^2 = \mu \max_a l_a^2 + \max(0, \mu + \lambda (J^2 + 1) / 2) , \quad
               \text{log: } \mu \max_a l_a^2 + \max(0, \mu + \lambda (1 - \ln J)) ,
 
-    exact for the fastest direction. Known to fail: the log form softens without bound under expansion (J > e), and both
+    exact for the fastest direction; the wave speed takes a bound of the largest l^2, which is exact where the two smaller
+    ones are equal. Known to fail: the log form softens without bound under expansion (J > e), and both
     resist compression to zero volume only like ln J.
     """
 

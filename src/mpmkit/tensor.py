@@ -211,6 +211,15 @@ def cosine_of_a_third(r):
     return p * w + 0.7660444431189779
 
 
+def largest_eigenvalue_bound(s):
+    """Upper bound of the largest eigenvalue of a symmetric tensor, tr s / 3 + sqrt(2/3) |dev s|; exact if the other two are equal.
+
+    Wolkowicz and Styan (1980), Bounds for eigenvalues using traces, doi:10.1016/0024-3795(80)90258-X, eq 2.2 for n = 3.
+    """
+    d = dev(s)
+    return (1.0 / 3.0) * (s[0] + s[1] + s[2]) + sqrt((2.0 / 3.0) * ddot(d, d))
+
+
 def largest_eigenvalue(s):
     """Largest eigenvalue of a symmetric tensor, by the trigonometric solution of its cubic."""
     q = (1.0 / 3.0) * (s[0] + s[1] + s[2])

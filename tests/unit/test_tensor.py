@@ -92,6 +92,18 @@ def test_largest_eigenvalue(M):
     assert tensor.largest_eigenvalue(six(M)) == pytest.approx(wanted[-1], abs=(1e-8 if double else 1e-14) * size)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_bound_of_the_largest_eigenvalue(seed):
+    """Never below it (rounding, 1e-14 of the norm), and equal to it where the other two are equal."""
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(3, 3))
+    M = A + A.T
+    assert tensor.largest_eigenvalue_bound(six(M)) >= np.linalg.eigvalsh(M)[-1] - 1e-14 * np.linalg.norm(M)
+    Q = np.linalg.qr(A)[0]
+    M = Q @ np.diag([2.0, -1.0, -1.0]) @ Q.T
+    assert tensor.largest_eigenvalue_bound(six(M)) == pytest.approx(2.0, abs=1e-14 * np.linalg.norm(M))
+
+
 def test_cosine_of_a_third():
     """Rounding: 4e-16, what it promises."""
     r = np.concatenate([np.linspace(-1.0, 1.0, 1001), 1.0 - np.logspace(-16, -1, 100), np.logspace(-16, -1, 100) - 1.0])

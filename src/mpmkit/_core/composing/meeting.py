@@ -142,16 +142,17 @@ def reach_function(loop: ParticleLoop, operator: GridOperator, name: str) -> str
         if loop.composition.grid.space != "axisymmetric"
         else "half = T(0.5) * sqrt(V / (T(6.283185307179586) * x[0]))"
     )
-    header, pad = operator.nodes_loop(loop.nodes)
-    distance = " + ".join(f"r{b} * normals[s, c, {b}]" for b in range(dim))
+    operator.helper("node_of", operator.arena.node_of())
+    header, pad = operator.nodes_loop(loop.nodes, look_up="place")
+    distance = " + ".join(f"r{b} * normals[i, c, {b}]" for b in range(dim))
     lines = [
         half,
         *header,
-        f"{pad}s = slot[i]",
-        f"{pad}if s >= 0 and w > zero:",
+        f"{pad}if w > zero:",
         f"{pad}    for c in range(3):",
         f"{pad}        d = side * ({distance})  # from particle to node along the normal of this side",
-        f"{pad}        reach[s, c] = side * max(side * reach[s, c], half - d)",
+        f"{pad}        reach[i, c] = side * max(side * reach[i, c], half - d)",
     ]
+    before = [f"for e in range({operator.arena.size}):", "    place[U(e)] = slot[node_of(home, block, e)]"]
     doc = "How far this body reaches along the contact normals"
-    return each_particle(loop, operator, name, doc, lines, "near, slot, normals, reach, side", only="near[block]")
+    return each_particle(loop, operator, name, doc, lines, "near, slot, normals, reach, side, place", only="near[block]", before=before)

@@ -122,6 +122,13 @@ NODE_PHASES: dict[str, Callable[[Sweep], str]] = {
 """Loops over nodes by the name of their phase; the momentum update has a name of its own where nodes start with velocities."""
 
 REDUCE = '''@compiled
+def clear_nodes(first, last, G, size):
+    """Zeros in blocks first to last of `size` numbers."""
+    for i in range(first * size, last * size):
+        G[U(i)] = zero
+
+
+@compiled
 def reduce(acc, count, width, largest, sums):
     """Largest value (NaN if there is one) and sum over the blocks of each column of their accounts."""
     for column in range(width):

@@ -120,15 +120,21 @@ class GridOperator:
         tile = [*rows.transposed(False, slot, S), f"{name}(far, l0, l1, sc, ib, tr)"]
         return before, compute, tile, [f"{flush}(far, G, home, block)"], S
 
-    def nodes_loop(self, layout: NodeLayout) -> tuple[list[str], str]:
-        """A loop over the nodes of one particle (lane l of a tile), for the few particles that meet special nodes: i, w, g and r."""
-        self.helper("node_of", self.arena.node_of())
+    def nodes_loop(self, layout: NodeLayout, look_up: str = "") -> tuple[list[str], str]:
+        """A loop over the nodes of one particle (lane l of a tile), for the few particles that meet special nodes: i, w, g and r.
+
+        With ``look_up``, the name of an array over the arena, ``i`` is what that array holds, and negative ones are passed over.
+        """
         lines, pad, A, dim = [], "", self.arena.side, self.dim
         for a in range(dim):
             lines.append(f"{pad}for j{a} in range({self.nodes}):")
             pad += "    "
-        index = " + ".join(f"j{a} * {A ** (dim - 1 - a)}" for a in range(dim))
-        lines.append(f"{pad}i = node_of(home, block, int(ib[U(l)]) + {index})")
+        index = "int(ib[U(l)]) + " + " + ".join(f"j{a} * {A ** (dim - 1 - a)}" for a in range(dim))
+        if look_up:
+            lines += [f"{pad}i = {look_up}[U({index})]", f"{pad}if i < 0:", f"{pad}    continue"]
+        else:
+            self.helper("node_of", self.arena.node_of())
+            lines.append(f"{pad}i = node_of(home, block, {index})")
 
         def of(slot: int, a: int) -> str:
             return f"sc[U({LANES * slot} + {LANES} * j{a} + l)]"

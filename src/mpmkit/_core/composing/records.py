@@ -60,23 +60,24 @@ def particle_fields(c: Composition) -> None:
 
 
 def node_channels(c: Composition, plan: Schedule) -> NodeLayout:
+    """Channels of a node's record; those that one loop needs lie beside each other, for a loop moves a whole window of them."""
     layout = NodeLayout(c.dim)
     integrator = type(c.integrator or c.discretization).__name__
+    if any(p.channel == "v_map" for p in plan.phases):
+        layout.add(["v_map"], f"{integrator}: velocities for the strain")
     if c.merges:
         layout.add(["v"], f"{integrator}: (mv)_i + dt f_i, then v_i")
     else:
         layout.add(["v", "v_old"], f"{integrator}: (mv)_i then v_i before, f_i then v_i after the update")
     layout.add(["m"], integrator, scalar=True)
-    if c.contact is not None:
-        layout.add(["outward"], f"normals of {type(c.contact).__name__}")
     loads = [role for role, layer in c.layers.items() if layer.load is not None]
     loads += [role for role, e in c.effects.items() if e.body_force is not None]
     if loads:
         layout.add(["f_ext"], f"work of {', '.join(loads)}")
     if c.transfer is not None and c.transfer.passes > 1:
         layout.add(["v_smooth", "u", "u_next"], type(c.transfer).__name__)
-    if any(p.channel == "v_map" for p in plan.phases):
-        layout.add(["v_map"], f"{integrator}: velocities for the strain")
+    if c.contact is not None:
+        layout.add(["outward"], f"normals of {type(c.contact).__name__}")
     if any(p.name == "soft_velocity" for p in plan.phases):
         layout.add(["v_soft"], f"{type(c.transfer).__name__}: velocities limited at light nodes")
     if c.limits_velocities:

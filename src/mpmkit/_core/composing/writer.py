@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 from mpmkit._core.composing.layout import LANES, NodeLayout, lane
@@ -92,12 +93,15 @@ def _wrapped(doc: str) -> str:
     return "\n".join(textwrap.wrap(doc[:1].upper() + doc[1:] + ".", 120))
 
 
-def each_particle(loop: ParticleLoop, operator: Any, name: str, doc: str, lines: list[str], extra: str, only: str = "") -> str:
+def each_particle(
+    loop: ParticleLoop, operator: Any, name: str, doc: str, lines: list[str], extra: str, only: str = "", before: Sequence[str] = ()
+) -> str:
     """Text of a loop that visits particles one by one: for the few that meet special nodes, or for small problems."""
     loop.asks_slopes = True
     text = ["@compiled", f"def {name}({operator.arguments}, {extra}, sc, ib, t, dt):", f'    """{doc}."""', *loop.parameter_lines()]
     text += ["    for block in range(first, last):"]
     text += [f"        if not {only}:", "            continue"] if only else []
+    text += [f"        {line}" for line in before]
     text += [
         "        p0, p1 = starts[U(block)], starts[U(block + 1)]",
         "        for tile in range(p0 >> 4, (p1 + 15) >> 4):",

@@ -52,9 +52,11 @@ def over_nodes(e: Engine, k: int, phase: Phase) -> Step:
     return run
 
 
-def clear(e: Engine, field: Any) -> None:
+def clear(e: Engine, field: Any) -> Callable[[], None]:
     """All channels of all stored nodes to zero."""
-    field.G[: field.n_nodes * e.channels] = 0.0
+    function, size, parts = e.module.clear_nodes, field.lattice.nodes_per_block * e.channels, _parts(field.active, e.team.size)
+    G = field.G
+    return lambda: e.team.run(lambda thread, part: function(*part, G, size), parts)
 
 
 def where(e: Engine, field: Any) -> Any:

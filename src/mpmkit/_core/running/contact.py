@@ -39,6 +39,7 @@ class ContactPairs:
         self.pairs = [Pair(a, b) for a, b in combinations(range(len(engine.stores)), 2)]
         for pair in self.pairs:
             pair.resize(256, engine.dtype)
+        self.place = np.zeros(engine.plan.operator.arena.size, dtype=np.int64)
 
     def update(self) -> None:
         """After the bodies were sorted: which blocks of nodes both have, and fresh marks on nodes and blocks."""
@@ -82,7 +83,7 @@ class ContactPairs:
             blocks, near = e.places.blocks[body], self.near[body]
             m.near_shared(blocks.home, blocks.count, 3**e.c.dim, self.touched[body], near)
             function = getattr(m, f"reach_{e.stores[body].group.name}")
-            lists = (near, self.slot[body], pair.normals, reach, e.dtype(side))
+            lists = (near, self.slot[body], pair.normals, reach, e.dtype(side), self.place)
             function(0, blocks.count, *e.particle_arguments(body, e.places.acc[body]), *lists, e.scratch[0][0], e.scratch[0][2], t, dt)
         m.choose_normals(count, pair.normals, pair.reach_a, pair.reach_b, e.dtype(1e-3 * e.c.grid.h))
         m.clear_shared(pair.found, count, *marks)

@@ -72,6 +72,7 @@ class Engine:
         self.contact = ContactPairs(self) if c.contact is not None else None
         self.structure = -1  # version of the places that the operations are bound to
         self.operations: list[Operation] = []
+        self.clears: list[Callable[[], None]] = []
         self.start_operations: list[Operation] = []
         self._largest, self._sums = np.zeros(16), np.zeros(16)
         self._place()
@@ -132,6 +133,7 @@ class Engine:
         self.node_work = [np.zeros(f.active * len(WORK)) for f in self.fields]
         self.operations = self._bind(self.plan.schedule)
         self.start_operations = self._bind(self.plan.start)
+        self.clears = [] if self.c.stored_operator else [bindings.clear(self, field) for field in self.fields]
 
     def particle_arguments(self, k: int, acc: Any) -> tuple[Any, ...]:
         """Arguments of a loop over the particles of body k after the range of blocks."""
@@ -187,8 +189,8 @@ class Engine:
             self._place()
             now = clock()
             clocks["sort"] = clocks.get("sort", 0.0) + now - begin
-            for field in self.fields:
-                bindings.clear(self, field)
+            for clear in self.clears:
+                clear()
             begin, now = now, clock()
             clocks["zero"] = clocks.get("zero", 0.0) + now - begin
         else:
