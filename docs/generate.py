@@ -1,4 +1,4 @@
-"""Writes the pages that can be known from the code: one per registered component, the command line, one per example.
+"""Writes what can be known from the code: a page for each component, command and example, and the generated functions a page quotes.
 
 Facts about components come from `mpmkit.description.describe`, as for ``mpmkit describe``; an installed plugin of a third party gets its
 pages too. A page of the gallery is the docstring, the picture and the text of a script in ``examples``.
@@ -56,6 +56,28 @@ def main(docs: Path, examples: Path | None = None) -> None:
         path = docs / name
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
+    for path in (docs / "explanation").glob("how-a-step-runs.md"):
+        old = path.read_text(encoding="utf-8")
+        if (text := quoting(old)) != old:
+            path.write_text(text, encoding="utf-8")
+
+
+def quoting(page: str) -> str:
+    """A page with the generated functions that it quotes as they are now: those of the simulation ``sim`` of its first Python block."""
+    from mpmkit._core.composing.composition import collect
+    from mpmkit._core.composing.plan import make_plan
+
+    names: dict[str, Any] = {}
+    exec(re.search(r"^```python\n(.*?)^```", page, flags=re.MULTILINE | re.DOTALL)[1], names)  # type: ignore[index]
+    module = make_plan(collect(names["sim"])).text
+
+    def function(quoted: re.Match[str]) -> str:
+        found = re.search(rf"^@compiled\ndef {quoted[1]}\(.*?(?=\n\n\n|\n\Z)", module, flags=re.MULTILINE | re.DOTALL)
+        if found is None:
+            raise LookupError(f"no function of the generated module is named {quoted[1]!r}")
+        return f"```py\n{found[0]}\n```"
+
+    return re.sub(r"^```py\n@compiled\ndef (\w+)\(.*?^```", function, page, flags=re.MULTILINE | re.DOTALL)
 
 
 def shows(examples: Path) -> list[Path]:

@@ -73,6 +73,13 @@ def test_python_in_the_docs_runs(path, tmp_path, monkeypatch):
             exec(compile("\n" * block.line + block.text, str(path), "exec"), names)
 
 
+def test_quoted_functions_of_the_generated_step_are_the_real_ones(root):
+    # `python docs/generate.py` writes them anew
+    page = (root / "docs/explanation/how-a-step-runs.md").read_text(encoding="utf-8")
+    assert page.count("```py\n@compiled\n") == 3
+    assert script(root / "docs/generate.py").quoting(page) == page
+
+
 def test_the_statements_of_the_how_to_on_loads_hold(root, tmp_path, monkeypatch):
     # statics: the outermost node carries the share 1 - thickness / 2 of the force of a layer, all of it in the two-point form;
     # the tolerance is what the damping has left after 0.2 s

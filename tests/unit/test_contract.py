@@ -9,7 +9,8 @@ from mpmkit.boundaries import PrescribedVelocity, Symmetry, TractionLayer, TwoPo
 from mpmkit.contacts import FrictionalContact
 from mpmkit.discretizations import FEM
 from mpmkit.effects import BodyForce, Damping, Gravity
-from mpmkit.integrators import APIC, MUSL, TPIC, USF, USL, XPIC
+from mpmkit.integrators import APIC, FLIP, MUSL, TPIC, USF, USL, XPIC
+from mpmkit.interfaces.integrator import ExplicitIntegrator
 from mpmkit.materials import HypoelasticJaumann, LinearElastic, NeoHookean, NewtonianFluid, VonMises
 from mpmkit.shapes import GIMP, ContiguousGIMP, CubicBSpline, Linear, QuadraticBSpline
 
@@ -154,6 +155,34 @@ def test_vector_of_the_wrong_length(part, name):
 
 def test_zero_is_a_vector_of_any_length():
     simulation(PLANE, block(), PrescribedVelocity(0.0, "xmin"), BodyForce(0.0)).compose()
+
+
+# --- order of a recipe --------------------------------------------------------------------------------------------
+@mpm.define
+class Restless(ExplicitIntegrator):
+    """USL that moves the particles before the conditions that the strain sees."""
+
+    references = ("none",)
+    transfer: mpm.Transfer = mpm.parameter("how particle velocities follow from the grid", default=FLIP())
+    between: bool = mpm.parameter("whether something keeps advect and strain from being one loop", default=True)
+
+    def step(self, s):
+        s.p2g()
+        s.forces()
+        s.momentum()
+        s.g2p()
+        s.advect()
+        if self.between:
+            s.boundary()
+        s.strain()
+        s.stress()
+
+
+def test_particles_move_last():
+    # the arenas of nodes hold what particles can reach until they are sorted, at the start of a step
+    sim = simulation(PLANE, block(), Wall("all"), integrator=Restless())
+    refused(sim, "Restless", "advect() and then visits nodes again in strain, stress")
+    simulation(PLANE, block(), Wall("all"), integrator=Restless(between=False)).compose()
 
 
 # --- consistent mass ----------------------------------------------------------------------------------------------

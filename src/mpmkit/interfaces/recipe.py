@@ -56,7 +56,11 @@ class Recipe:
         self.fraction = fraction
 
     def advect(self) -> None:
-        """x_p <- x_p + dt sum_i v_i N_i(x_p), with the nodal velocities of the momentum update."""
+        """x_p <- x_p + dt sum_i v_i N_i(x_p), with the nodal velocities of the momentum update.
+
+        No later loop of the step may visit nodes; neighbouring verbs, as in ``advect``, ``strain``, ``stress``, are one loop and see one
+        set of weights.
+        """
         self.verbs.append("advect")
 
     def strain(self) -> None:

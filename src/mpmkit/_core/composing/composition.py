@@ -171,7 +171,7 @@ def collect(sim: Simulation) -> Composition:
 
 
 def _named(components: list[Any]) -> dict[str, Any]:
-    """Unique lower-case names: gravity, wall, wall_2 ..."""
+    """Components by unique names: Gravity, Wall, Wall_2 ..."""
     out: dict[str, Any] = {}
     for component in components:
         name = type(component).__name__

@@ -11,7 +11,11 @@ from mpmkit._core.composing.sweep import IMPULSE, Sweep, assign, needs_of, node,
 
 
 def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> str:
-    """One boundary layer on its list of nodes: constrain (and rub) the velocities of `channel`; keep its account if it is ``v``."""
+    """One boundary layer on its list of nodes: constrain (and rub) the velocities of `channel`.
+
+    Work and impulses are accounted for on ``v`` and ``v_old``, impulses also on ``v_smooth``; ``v_map``, which only the strain sees, has no
+    account.
+    """
     c, layout, dim = sweep.composition, sweep.layout, sweep.dim
     layer = c.layers[role]
     assert layer.constrain is not None

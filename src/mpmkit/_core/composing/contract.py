@@ -6,6 +6,7 @@ from typing import Any
 
 from mpmkit._core.composing.composition import Composition
 from mpmkit._core.composing.layout import SYMMETRIC, TENSOR
+from mpmkit._core.composing.schedule import schedule
 from mpmkit.errors import CompositionError
 from mpmkit.interfaces import BoundaryLayer, Component
 
@@ -32,6 +33,7 @@ def check(c: Composition) -> list[str]:
                 f"{type(component).__name__} works in {', '.join(component.precisions)} only, not in {sim.precision}; set "
                 "precision accordingly"
             )
+    _check_order(c)
     _check_moments(c)
     _check_bar(c)
     _check_axis(c)
@@ -59,6 +61,21 @@ def _check_space(c: Composition, component: Component) -> None:
             f"{', '.join(component.spaces)}. "
             f"To fix: one of {', '.join(sorted(others)) or 'no other'} , or another grid"
         )
+
+
+def _check_order(c: Composition) -> None:
+    """Particles move last: until the next step sorts them, they may be beyond the nodes at hand."""
+    if c.stored_operator:
+        return
+    phases = schedule(c, c.verbs).phases
+    moved = next((k for k, phase in enumerate(phases) if "advect" in phase.verbs), len(phases))
+    for phase in phases[moved + 1 :]:
+        if phase.kind in ("loads", "contact", "solve") or set(phase.verbs) - {"stress"}:
+            raise CompositionError(
+                f"{type(c.integrator).__name__}: its recipe moves the particles by advect() and then visits nodes again in "
+                f"{', '.join(phase.verbs) or phase.name}; a step must see one set of weights. To fix: call advect() in the last loop "
+                "that visits nodes (neighbouring verbs over particles are one loop)"
+            )
 
 
 def _check_moments(c: Composition) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from mpmkit.kernels import Kernel
 
 # No "nnan" and "ninf": the guards must be able to see a NaN.
-# "nogil": results are written by another thread while a loop runs.
+# "nogil": the threads of a team run loops side by side, and results are written meanwhile.
 FLAGS: dict[str, Any] = {"fastmath": {"contract", "reassoc", "nsz", "arcp", "afn"}, "error_model": "numpy", "nogil": True}
 
 
@@ -33,11 +33,10 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def sources() -> tuple[str, ...]:
-    """Texts behind every compiled step that no function of its components leads to: vectors and elementary functions."""
+    """Texts behind every compiled step that no function of its components leads to: options, vectors and elementary functions."""
     here = Path(__file__).parent
-    return tuple(
-        (here / f"{name}.py").read_text(encoding="utf-8") for name in ("simd_type", "simd_numba", "simd_numpy", "bits", "elementary")
-    )
+    names = ("jit", "simd_type", "simd_numba", "simd_numpy", "bits", "elementary")
+    return tuple((here / f"{name}.py").read_text(encoding="utf-8") for name in names)
 
 
 class Linker:

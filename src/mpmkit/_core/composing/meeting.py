@@ -61,6 +61,7 @@ def choose_normals(count, normals, reach_a, reach_b, margin):
 
 @compiled
 def clear_shared(found, count, slot_a, slot_b, touched_a, touched_b):
+    """Take back the marks that `find_shared` has set."""
     for s in range(count):
         slot_a[found[s, 0]], slot_b[found[s, 1]] = -1, -1
         touched_a[found[s, 0] // {N}], touched_b[found[s, 1] // {N}] = 0, 0

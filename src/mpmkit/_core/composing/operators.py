@@ -20,7 +20,6 @@ class GridOperator:
 
     arguments = "first, last, P, starts, corner, home, edge, G, par, acc"
     scratch = "sc, tr, ib, near, far"
-    affine = True
 
     def __init__(self, dim: int, nodes: int, offset: float, itemsize: int) -> None:
         self.dim, self.nodes, self.offset, self.itemsize = dim, nodes, offset, itemsize
@@ -28,11 +27,6 @@ class GridOperator:
         self.slots = Slots(dim, nodes)
         self.arena = Arena(dim, nodes)
         self.functions: dict[str, str] = {}
-
-    @property
-    def padding(self) -> tuple[int, int]:
-        """Nodes stored beyond the lower and the upper face in each direction."""
-        return self.ghosts, self.nodes - 2
 
     def helper(self, name: str, text: str) -> str:
         self.functions.setdefault(name, text)
@@ -73,15 +67,17 @@ class GridOperator:
         self.helper(name, rows.gather_function(name, self.slots, self.arena.side, width, kinds, self.itemsize))
         order = rows.results(self.dim, kinds)
         S = rows.stride(len(order), width)
-        where = {}
+        where, wanted = {}, set()
         for channel, factor in loop.sums:
             for k, local in enumerate(loop.summed(channel, factor)):
                 a, b = (k, 0) if factor == "w" else divmod(k, self.dim)
                 result = order.index("w" if factor == "w" else f"{factor}{b}")
-                text = lane(slot + result * width + layout.start[channel] - first + a)
+                number = result * width + layout.start[channel] - first + a
+                wanted.add(number)
+                text = lane(slot + number)
                 where[local] = f"{text} * {loop.along('inv_h', b)}" if factor == "g" else text
         before = [f"{fetch}(near, G, home, block)"]
-        return before, [f"{name}(near, l0, l1, sc, ib, tr)", *rows.transposed(True, slot, S)], where, S
+        return before, [f"{name}(near, l0, l1, sc, ib, tr)", *rows.transposed(True, slot, S, wanted)], where, S
 
     def scatter(self, loop: ParticleLoop, layout: NodeLayout, slot: int) -> tuple[list[str], list[str], list[str], list[str], int]:
         """Lines before the tiles, lines of the computation, lines of a tile, lines after the tiles, and slots taken."""
@@ -117,7 +113,7 @@ class GridOperator:
         ]
         self.helper("clear", CLEAR)
         before = [f"clear(far, {self.arena.size * width})"]
-        tile = [*rows.transposed(False, slot, S), f"{name}(far, l0, l1, sc, ib, tr)"]
+        tile = [*rows.transposed(False, slot, S, set(range(S))), f"{name}(far, l0, l1, sc, ib, tr)"]
         return before, compute, tile, [f"{flush}(far, G, home, block)"], S
 
     def nodes_loop(self, layout: NodeLayout, look_up: str = "") -> tuple[list[str], str]:
@@ -153,9 +149,6 @@ class StoredOperator:
 
     arguments = "first, last, P, starts, nodes, N, dN, G, par, acc"
     scratch = "sc"
-    padding = (0, 0)
-    ghosts = 0
-    affine = False
 
     def __init__(self, dim: int, per_point: int) -> None:
         self.dim, self.per_point = dim, per_point

@@ -251,7 +251,7 @@ def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     loop.watch("inverted", str(loop.field("J")))
     if c.shape is not None and c.shape.particle_size == "current":
         for a in range(dim):
-            loop.watch("wide", f"T({c.shape.max_half!r}) - {loop.field('size')}[{a}] * F[{4 * a}] * {loop.along('inv_h', a)}", ">=")
+            loop.watch("stretched", f"T({c.shape.max_half!r}) - {loop.field('size')}[{a}] * F[{4 * a}] * {loop.along('inv_h', a)}", ">=")
 
 
 def stress(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:

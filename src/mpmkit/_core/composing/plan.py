@@ -22,7 +22,25 @@ from mpmkit._core.composing.source import Names, Parameters
 
 @attrs.define(eq=False)
 class Plan:
-    """Everything the engine needs: phases, layouts, run-time parameters and the text of the module."""
+    """Everything the engine needs: phases, layouts, run-time parameters and the text of the module.
+
+    Attributes
+    ----------
+    start : Schedule
+        Phases before the first step, where nodes carry their velocity; else empty.
+    operator : GridOperator or StoredOperator
+        How loops over particles visit nodes.
+    slots : int
+        Rows of 16 numbers that a thread's scratch array must have.
+    scatters : set of str
+        Loops that add to nodes.
+    traffic : dict
+        Of each loop over particles: channels summed over nodes, channels added to.
+    digest : str
+        Names the module in the cache.
+    compile_seconds : float
+        Wall time that loading the module took.
+    """
 
     composition: Composition
     schedule: Schedule

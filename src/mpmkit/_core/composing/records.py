@@ -60,6 +60,7 @@ def particle_fields(c: Composition) -> None:
 
 
 def node_channels(c: Composition, plan: Schedule) -> NodeLayout:
+    """The channels of the nodes' record: what the phases of a step and the components read and write, and no more."""
     """Channels of a node's record; those that one loop needs lie beside each other, for a loop moves a whole window of them."""
     layout = NodeLayout(c.dim)
     integrator = type(c.integrator or c.discretization).__name__

@@ -32,10 +32,10 @@ def pieces(nodes: int, width: int, itemsize: int) -> list[tuple[int, int]]:
     return out
 
 
-def transposed(to_lanes: bool, first_slot: int, S: int) -> list[str]:
-    """Lines that move S numbers of 16 particles between rows of lanes in ``sc`` and particles in ``tr``, 8 x 8 at a time."""
+def transposed(to_lanes: bool, first_slot: int, S: int, wanted: set[int]) -> list[str]:
+    """Lines that move the wanted of S numbers of 16 particles between rows of lanes in ``sc`` and particles in ``tr``, 8 x 8 at a time."""
     lines = []
-    for s in range(0, S, 8):
+    for s in sorted({number // 8 * 8 for number in wanted}):
         for half in (0, 8):
             rows, particles = f"sc, {LANES * (first_slot + s) + half}, {LANES}", f"tr, {S * half + s}, {S}"
             lines.append(f"transpose({particles}, {rows})" if to_lanes else f"transpose({rows}, {particles})")
@@ -72,7 +72,9 @@ def gather_function(name: str, slots: Slots, side: int, width: int, kinds: list[
                 lines.append(f"V_{p} = u{p}")
                 continue
             for s, factor in zip(inner, ("w", *kinds), strict=True):
-                lines.append(f"{pad}{mark}{s}_{p} = {f'{mark}{s}_{p} + ' if j else ''}{factor}{last - 1}_{j} * u{p}")
+                begun = j > (factor == "k")  # index moments of node 0 are zero
+                if j or factor != "k":
+                    lines.append(f"{pad}{mark}{s}_{p} = {f'{mark}{s}_{p} + ' if begun else ''}{factor}{last - 1}_{j} * u{p}")
         if dim == 3:
             lines += [f"    {s}_{p} = {s}_{p} + w0 * s{s}_{p}" for s in inner]
             lines += [f"    {kind.upper()}0_{p} = {kind.upper()}0_{p} + {kind}0 * sV_{p}" for kind in kinds]
@@ -80,7 +82,8 @@ def gather_function(name: str, slots: Slots, side: int, width: int, kinds: list[
         of_last = result != "w" and int(result[1]) == last
         factor = f"{result[0]}_row" if of_last else "w_row"
         source = "V" if of_last or result == "w" else result.upper()
-        total = " + ".join(f"summed({factor}{p} * {source}_{p}, {width})" for p in range(len(rows)))
+        some = [p for p, row in enumerate(rows) if factor != "k_row" or row != (0, width)]
+        total = " + ".join(f"summed({factor}{p} * {source}_{p}, {width})" for p in some)
         lines.append(f"store(tr, {S} * l + {place * width}, {total})")
     told = ", ".join({"k": "u_i N_i k_b", "g": "u_i dN_i/dxi_b"}[kind] for kind in kinds)
     doc = f"Sums of u_i N_i{', ' + told if told else ''} over the nodes of each particle."
@@ -108,11 +111,13 @@ def scatter_function(name: str, slots: Slots, side: int, width: int, kinds: list
         return f"mixed(splat(k{kind}, {lanes}), splat(g{kind}, {lanes}), {whole})"
 
     lines = [*_row_weights(slots, rows, width, used), *_middle_weights(slots, used), f"node = int(ib[U(l)]) * {width}"]
-    for p, (_, lanes) in enumerate(rows):
+    for p, row in enumerate(rows):
+        lanes = row[1]
         lines.append(f"z{p} = w_row{p} * {_tiled(f'load(tr, {S} * l, {width})', width, lanes)}")
         if sloped:
             along = [_tiled(f"load(tr, {S} * l + {(a + 1) * width}, {width})", width, lanes) for a in range(dim)]
-            lines[-1] += f" + {profile('_row', lanes, str(p))} * {along[last]}"
+            if used != ["k"] or row != (0, width):  # index moments of node 0 are zero
+                lines[-1] += f" + {profile('_row', lanes, str(p))} * {along[last]}"
             lines += [f"q{a}_{p} = w_row{p} * {along[a]}" for a in range(last)]
     if last and sloped and len(used) == 2:
         lines += [f"p{j}_{p} = {profile(f'{last - 1}_{j}', lanes)}" for j in range(n) for p, (_, lanes) in enumerate(rows)]
@@ -129,7 +134,7 @@ def scatter_function(name: str, slots: Slots, side: int, width: int, kinds: list
         z, q = (f"y{p}", f"x{p}") if dim == 3 else (f"z{p}", f"q0_{p}")
         for j in range(n if last else 1):
             value = f"w{last - 1}_{j} * {z}" if last else z
-            if last and sloped:
+            if last and sloped and (j or used != ["k"]):
                 value += f" + {f'p{j}_{p}' if len(used) == 2 else f'{used[0]}{last - 1}_{j}'} * {q}"
             at = f"node + {'' if dim < 3 else f'{side * side * width} * j + '}{(j * side if last else 0) * width + first}"
             lines.append(f"{pad}store(arena, {at}, load(arena, {at}, {lanes}) + {value})")

@@ -17,7 +17,9 @@ class Phase:
     """One phase of a step, as `explain` prints it and the engine runs it.
 
     ``kind`` says over what it runs: "particles" (verbs fused into one loop per body), "loads" (a layer of particles),
-    "nodes" (a sweep over all active nodes), "boundary" (a list of nodes), "contact" (shared nodes) or "solve".
+    "nodes" (a sweep over all stored nodes), "boundary" (a list of nodes), "contact" (shared nodes) or "solve". ``role`` is that
+    of the component whose phase it is, ``channel`` the nodal velocity it works on, ``number`` the weight of a term of
+    XPIC, ``who`` the contributors for `explain`.
     """
 
     kind: str
@@ -31,12 +33,11 @@ class Phase:
 
 @attrs.define
 class Schedule:
-    """Phases of one step and the channels each verb works on."""
+    """Phases of one step, the channel whose gradient is the strain rate, and whether nodes have velocities before the momentum update."""
 
     phases: list[Phase] = attrs.field(factory=list)
     strain_channel: str = "v"
     has_velocity: bool = False
-    contact_channels: list[str] = attrs.field(factory=list)
 
 
 def schedule(c: Composition, verbs: list[str]) -> Schedule:
@@ -81,7 +82,7 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
             out.has_velocity = True
             channel = "v_old"
         elif verb == "limit":
-            nodes("limited_velocity", channel="v_map", number=c.fraction, who=(_name(c.integrator),))
+            nodes("limited_velocity", channel="v_map", who=(_name(c.integrator),))
             channel = "v_map"
         elif verb == "carry":
             nodes("carry", who=(_name(c.discretization),))
@@ -105,7 +106,6 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
         elif verb == "contact":
             if c.contact is not None:
                 out.phases.append(Phase("contact", f"contact_{channel}", channel=channel, who=(_name(c.contact),)))
-                out.contact_channels.append(channel)
         elif verb == "boundary":
             for role in noded:
                 out.phases.append(Phase("boundary", f"{role}_{channel}", role=role, channel=channel, who=(role,)))

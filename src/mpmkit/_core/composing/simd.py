@@ -4,24 +4,24 @@ The loops over nodes of the generated step work on short vectors that must stay 
 these. The functions here make such vectors explicit. Compiled, they come from `simd_numba` (one LLVM vector each); with
 NUMBA_DISABLE_JIT=1 from `simd_numpy`, so that the very same generated text runs as plain Python.
 
-`a`, `src`, `dst` are flat contiguous arrays of float32 or float64, `i`, `s`, `m`, `d`, `stride` integers of any type (negative ones have no
-meaning), `n`, `c`, `first`, `mask` literal integers. Numbers of lanes are powers of two from 1 to 32.
+`a`, `src`, `dst` are flat contiguous arrays of float32 or float64, `i`, `k`, `step`, `d`, `stride` integers of any type (negative ones have
+no meaning), `n`, `c`, `first`, `mask` literal integers. Numbers of lanes are powers of two from 1 to 32.
 
-========================================  =====================================================================================
-``load(a, i, n)``                         the vector a[i : i + n]
-``store(a, i, v)``                        a[i : i + n] = v
-``splat(s, n)``                           n lanes of the scalar s, in its precision
-``tiled(v, n)``                           n lanes, lane i = v[i % lanes of v]
-``spread(s, c, n)``                       n lanes from the tuple s of scalars: lane i = s[i // c], zero where s has no such element
-``mixed(a, b, mask)``                     lane i = b[i] where bit i of mask is set, else a[i]
-``summed(v, c)``                          c lanes, lane i = v[i] + v[i + c] + v[i + 2 c] + ...
-``part(v, first, n)``                     the lanes first .. first + n - 1
-``transpose(src, s, m, dst, d, stride)``  dst[d + stride j + i] = src[s + m i + j] for i, j in 0..7
-``wide()``                                a hint for the loops of the function it stands in: the widest vectors of the machine
-``tiny_to_zero()``                        numbers below the normal range count as zero from here on; returns what was before
-``as_before(mode)``                       what was before ``mode = tiny_to_zero()``
-``prefetch(a, i)``                        a hint that a[i] is read soon; no effect on results, i may lie outside of a
-========================================  =====================================================================================
+===========================================  =============================================================================================
+``load(a, i, n)``                            the vector a[i : i + n]
+``store(a, i, v)``                           a[i : i + n] = v
+``splat(s, n)``                              n lanes of the scalar s, in its precision
+``tiled(v, n)``                              n lanes, lane i = v[i % lanes of v]
+``spread(s, c, n)``                          n lanes from the tuple s of scalars: lane i = s[i // c], zero where s has no such element
+``mixed(a, b, mask)``                        lane i = b[i] where bit i of mask is set, else a[i]
+``summed(v, c)``                             c lanes, lane i = v[i] + v[i + c] + v[i + 2 c] + ...
+``part(v, first, n)``                        the lanes first .. first + n - 1
+``transpose(src, k, step, dst, d, stride)``  dst[d + stride j + i] = src[k + step i + j] for i, j in 0..7
+``wide()``                                   a hint for the loops of the function it stands in: the widest vectors of the machine
+``tiny_to_zero()``                           on x86, numbers below the normal range count as zero from here on; returns what was before
+``as_before(mode)``                          what was before ``mode = tiny_to_zero()``
+``prefetch(a, i)``                           a hint that a[i] is read soon; no effect on results, i may lie outside of a
+===========================================  =============================================================================================
 
 Vectors of one type have ``+ - * /``, unary minus and ``+= -= *= /=``; the other operand may be a scalar, which is cast to the type of
 the lanes. Sums of products may be fused (one rounding) and sums reordered when compiled.

@@ -14,7 +14,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import models, register_model
 
-# as jit.FLAGS without "afn": NaN and infinity stay visible
+# those of jit.FLAGS that concern + - * /; as there no "nnan" and "ninf", so that the guards see a NaN
 FLAGS = ("contract", "reassoc", "nsz", "arcp")
 LANES = (1, 2, 4, 8, 16, 32)
 INT32 = ir.IntType(32)

@@ -58,7 +58,8 @@ def find_blocks(P, n, R, first_x, lower, inv_h, offset, cells, ghosts, shape, ta
     """Which block, and which cell inside it, each particle belongs to: key = block * {B**dim} + cell.
 
     Blocks are counted in the order they are met, found[block] is their number in the whole domain. Returns how many there are,
-    -1 if `found` is too short, or -2 - p if particle p is outside. The table is all zero before and after.
+    -1 if `found` is too short, or -2 - p if particle p is below the domain or its position is not a number; one above it counts to the
+    last cell, which the guards tell. The table is all zero before and after.
     """
 {hoisted}
     count, known, status = 0, -1, 0

@@ -47,6 +47,7 @@ def vector(layout: NodeLayout, channel: str, dim: int) -> str:
 
 
 def assign(layout: NodeLayout, channel: str, dim: int, name: str) -> list[str]:
+    """Lines that set a nodal vector from a tuple."""
     return [f"{node(layout, channel, a)} = {name}[{a}]" for a in range(dim)]
 
 
@@ -97,10 +98,12 @@ class Sweep(Text):
         )
 
     def smallest_mass(self) -> str:
+        """The mass below which a node counts as out of reach of all particles."""
         return self.parameter("m_small", lambda roles: roles["m_small"])
 
 
 def needs_of(component: object, kernel: object, dim: int) -> set[str]:
+    """Arguments of a kernel, with those of the functions behind its `Value` parameters."""
     arguments = set(kernel.arguments)  # type: ignore[attr-defined]
     for name in list(arguments):
         arguments |= set(value_arguments(component, name, dim))

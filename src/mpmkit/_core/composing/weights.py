@@ -44,7 +44,7 @@ def weights_function(loop: ParticleLoop, name: str, ghosts: int, side: int, slop
     text = [
         "@compiled",
         f"def {name}(P, tile, l0, l1, corner, block, par, sc, ib):",
-        '    """Weights and slopes of the nodes around each particle, and its first node in the arena."""',
+        f'    """{"Weights and slopes" if slopes else "Weights"} of the nodes around each particle, and its first node in the arena."""',
         "    wide()",
         *loop.parameter_lines(),
         f"    b = tile * {loop.group.layout.size * LANES}",

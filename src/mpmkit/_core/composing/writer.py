@@ -11,11 +11,11 @@ from mpmkit._core.composing.layout import LANES, NodeLayout, lane
 from mpmkit._core.composing.pieces import PIECES
 from mpmkit._core.composing.source import ParticleLoop
 
-ACCOUNTS = ("speed", "diffusion", "moved", "inverted", "inside", "wide", "viscous", "external")
+ACCOUNTS = ("speed", "diffusion", "moved", "inverted", "inside", "stretched", "viscous", "external")
 """Columns of the accounts of a block of particles, see `ParticleLoop.maximum`, `total` and `watch`."""
 
 LINE = {"float64": 8, "float32": 16}  # numbers in a cache line
-AHEAD = 2  # tiles: memory answers while the tiles before are worked on
+AHEAD = 6  # tiles: memory answers while the tiles before are worked on
 
 START = {"max": "zero", "sum": "zero", "watch >": "one", "watch >=": "one"}
 
@@ -39,7 +39,12 @@ def particle_function(loop: ParticleLoop, operator: Any, name: str, doc: str, ac
     tile: list[str] = []
     if loop.sums or loop.terms or loop.asks_weights:
         tile += operator.prepare(loop)
+    # before the visit to the nodes, which leaves the particles' memory alone
+    record, line = loop.group.layout.size * LANES, LINE[loop.composition.sim.precision]
+    ahead = [f"for line in range(0, {record}, {line}):", f"    prefetch(P, (tile + {AHEAD}) * {record} + line)"]
     loads: list[str] = []
+    if loop.sums or not loop.terms:
+        tile += ahead
     if loop.sums:
         first, gather, where, taken = operator.gather(loop, nodes, slot)
         before, tile = before + first, tile + gather
@@ -56,7 +61,7 @@ def particle_function(loop: ParticleLoop, operator: Any, name: str, doc: str, ac
     compute = [*loads, *loop.lines, *adds, *loop.store_lines]
     compute = [re.sub(r"\$(\w+)", lambda m: lane(at[m[1]]), line) for line in compute]
     tile.append(f"{name}_tile(P, tile, l0, l1, par, sc, t, dt)")
-    tile += scatter
+    tile += ([] if loop.sums else ahead) + scatter if loop.terms else []
     body = textwrap.indent('"""' + _wrapped(doc) + '"""', "    ")
     text = ["@compiled", f"def {name}_tile(P, tile, l0, l1, par, sc, t, dt):", body, "    wide()", *loop.parameter_lines()]
     text += [f"    b = tile * {loop.group.layout.size * LANES}", "    for l in range(l0, l1):", *(f"        {line}" for line in compute)]
@@ -71,8 +76,6 @@ def particle_function(loop: ParticleLoop, operator: Any, name: str, doc: str, ac
         "        p0, p1 = starts[U(block)], starts[U(block + 1)]",
         "        for tile in range(p0 >> 4, (p1 + 15) >> 4):",
         "            l0, l1 = max(p0 - 16 * tile, 0), min(p1 - 16 * tile, 16)",
-        f"            for line in range(0, {loop.group.layout.size * LANES}, {LINE[loop.composition.sim.precision]}):",
-        f"                prefetch(P, (tile + {AHEAD}) * {loop.group.layout.size * LANES} + line)",
         *(f"            {line}" for line in tile),
         *(f"        {line}" for line in after),
     ]

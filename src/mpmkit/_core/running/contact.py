@@ -24,6 +24,7 @@ class Pair:
         self.resize(256, np.float64)
 
     def resize(self, size: int, dtype: type) -> None:
+        """Room for this many shared nodes; what was there is lost."""
         self.found = np.zeros((size, 2), dtype=np.int64)
         self.normals: Any = np.zeros((size, 3, 3), dtype=dtype)  # three candidates, the chosen one first
         self.reach_a: Any = np.zeros((size, 3), dtype=dtype)
@@ -52,6 +53,7 @@ class ContactPairs:
             pair.count = 0
 
     def operation(self, channel: str, find: bool) -> Callable[[Any, Any], None]:
+        """The contact phase on one channel; with `find` it first looks for the shared nodes of this step."""
         e = self.engine
         function = getattr(e.module, f"contact_{channel}")
 

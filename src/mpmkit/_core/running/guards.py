@@ -32,7 +32,8 @@ def _explain(engine: Engine) -> None:
     at = store.get("x")
     J_all = store.get("J")
     if outside:
-        wrong = ~((at >= engine.c.grid.lower) & (at <= engine.c.grid.upper)).all(axis=1)
+        low, high = np.asarray(engine.c.grid.lower, at.dtype), np.asarray(engine.c.grid.upper, at.dtype)  # as the loops compare
+        wrong = ~((at >= low) & (at <= high)).all(axis=1)
     elif inverted:
         wrong = ~(J_all > 0.0)
     else:

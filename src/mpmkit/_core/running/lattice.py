@@ -44,8 +44,8 @@ class Lattice:
     ----------
     A : int
         Nodes along an edge of a block's arena, which reaches from one node before the block to B + n - 1.
-    lower, h, inv_h : array of dtype[dim]
-        Corner and spacing of the grid, as the particle loops use them.
+    lower, inv_h : array of dtype[dim]
+        Corner and inverse spacing of the grid, as the particle loops use them.
     cells, shape : int64[dim]
         Cells of the grid; blocks along each axis, with one more on either side.
     size : int
@@ -73,7 +73,6 @@ class Lattice:
             raise self._too_large("more than can be numbered")
         self.cells, self.shape = np.array(grid.cells, dtype=np.int64), np.array(shape, dtype=np.int64)
         self.lower: Any = np.array(grid.lower, dtype=dtype)
-        self.h: Any = np.array(grid.spacing, dtype=dtype)
         self.inv_h: Any = np.array([1.0 / h for h in grid.spacing], dtype=dtype)
         self.strides = np.array([prod(shape[a + 1 :]) for a in range(self.dim)], dtype=np.int64)
         self.offsets = (np.indices((3,) * self.dim).reshape(self.dim, -1).T - 1) @ self.strides

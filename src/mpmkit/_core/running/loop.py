@@ -165,13 +165,14 @@ class Run:
         )
 
     def _warm_up(self) -> None:
-        """Compile everything before the clock of the run starts: one step of length zero, then the state as it was."""
+        """Compile everything before the clock of the run starts: one very short step, then the state as it was."""
         engine = self.engine
         self._warm = True
         if not jit.enabled():
-            return  # plain Python has nothing to compile, and minds kernels that divide by a step of length zero
+            return  # plain Python has nothing to compile
+        short = 1e-6 * min((limit.dt for limit in timestep.limits(engine)), default=1e-3)  # not zero: kernels may divide by it
         with snapshot.unchanged(engine):
-            engine.step(0.0)
+            engine.step(short)
             engine.ledger()
         engine.clocks.clear()
         engine.flags[:] = False

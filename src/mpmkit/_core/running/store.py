@@ -23,12 +23,27 @@ FULL = {"scalar": 1, "vector": 3, "symmetric": 6, "tensor": 9}
 
 
 class BodyStore:
-    """Buffer, layout and accounts of one body.
+    """Buffer and layout of one body.
+
+    Parameters
+    ----------
+    group : Group
+        Bodies of the same law, with their layout.
+    name : str
+        Of the body.
+    points : object
+        Its sampled particles: x, v, V0, size, and F and stress if given.
+    rho : float
+        Reference density [kg/m^3].
+    dtype : type
+        Precision of the buffer.
 
     Attributes
     ----------
     P : array
         The packed buffer, tiles of 16 particles (see `mpmkit._core.composing.layout`).
+    operator : tuple of array
+        Node numbers, weights and gradients of each point, where these are stored; else empty.
     ids : int32[n] or int64[n]
         Which particle, in the order of the body's points, lies at each place of the buffer; the buffer is sorted by place in space.
     """

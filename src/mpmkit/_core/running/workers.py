@@ -7,6 +7,7 @@ import queue
 import threading
 import weakref
 from collections.abc import Callable, Iterator, Sequence
+from numbers import Integral
 from typing import Any
 
 from mpmkit.errors import CompositionError
@@ -29,7 +30,7 @@ def chosen(threads: int | None, particles: int) -> int:
         If it is no whole number, less than one, or more than there are cores.
     """
     most, source = available(), "threads"
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int)):
+    if threads is not None and not _whole(threads):
         raise CompositionError(f"threads = {threads!r} is not a whole number; allowed: 1 to {most}")
     if threads is None and os.environ.get("MPMKIT_THREADS"):
         text, source = os.environ["MPMKIT_THREADS"], "MPMKIT_THREADS"
@@ -44,7 +45,11 @@ def chosen(threads: int | None, particles: int) -> int:
         raise CompositionError(
             f"{source} = {threads} is not allowed: 1 to {most}, as this process may use {most} core{'s' if most > 1 else ''}{why}"
         )
-    return threads
+    return int(threads)
+
+
+def _whole(value: Any) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 class Team:
@@ -52,27 +57,31 @@ class Team:
 
     def __init__(self, size: int) -> None:
         self.size = size
+        self._process = os.getpid()
         self._asked: list[queue.SimpleQueue[Any]] = [queue.SimpleQueue() for _ in range(size - 1)]
-        self._done: queue.SimpleQueue[BaseException | None] = queue.SimpleQueue()
         for k, asked in enumerate(self._asked, 1):
-            threading.Thread(target=_serve, args=(k, asked, self._done), name=f"mpmkit-{k}", daemon=True).start()
+            threading.Thread(target=_serve, args=(k, asked), name=f"mpmkit-{k}", daemon=True).start()
         self.close = weakref.finalize(self, _dismiss, self._asked)  # lets the threads end, at the latest with the team itself
 
     def run(self, work: Work, items: Sequence[Any]) -> None:
         """Do all pieces of work; whoever is free takes the next."""
-        if self.size == 1 or len(items) == 1:
+        if self.size == 1 or len(items) == 1 or os.getpid() != self._process:  # a forked child has no threads but its own
             for item in items:
                 work(0, item)
             return
-        rest = iter(items)
+        rest, done = iter(items), queue.SimpleQueue[BaseException | None]()
         helpers = self._asked[: len(items) - 1]
         for asked in helpers:
-            asked.put((work, rest))
-        first = _share(0, work, rest)
-        for failed in [self._done.get() for _ in helpers]:
-            first = first or failed
-        if first is not None:
-            raise first
+            asked.put((work, rest, done))
+        failed = [_share(0, work, rest)]
+        while len(failed) <= len(helpers):
+            try:
+                failed.append(done.get())
+            except KeyboardInterrupt as interrupt:  # not before all have let go of the arrays
+                failed[0] = interrupt
+        for error in failed:
+            if error is not None:
+                raise error
 
 
 def _dismiss(team: list[queue.SimpleQueue[Any]]) -> None:
@@ -89,6 +98,7 @@ def _share(number: int, work: Work, rest: Iterator[Any]) -> BaseException | None
     return None
 
 
-def _serve(number: int, asked: queue.SimpleQueue[Any], done: queue.SimpleQueue[BaseException | None]) -> None:
+def _serve(number: int, asked: queue.SimpleQueue[Any]) -> None:
     while (task := asked.get()) is not None:
-        done.put(_share(number, *task))
+        work, rest, done = task
+        done.put(_share(number, work, rest))
