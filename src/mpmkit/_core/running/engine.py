@@ -75,6 +75,9 @@ class Engine:
         self.start_operations: list[Operation] = []
         self._largest, self._sums = np.zeros(16), np.zeros(16)
         self._place()
+        if not c.stored_operator and not c.loaded:
+            for s in stores:
+                s.release()
 
     def use(self, threads: int | None) -> None:
         """Go on with this many threads (see `workers.chosen`); the results do not depend on it."""

@@ -57,6 +57,7 @@ class Recorder:
             if "size" not in widths:  # what pictures are drawn with
                 static["size"] = np.concatenate([_three(s.points.size) for s in stores])
             self.file = ParticleFile.create(record.path, widths, static, SCALARS, run.meta(), record.compress, record.overwrite)
+            del static, body  # as much as half a frame, and written
             self.history = HistoryFile.create(history, COLUMNS, overwrite=record.overwrite)
             self._row(run.ledger.last)
             self._frame(run.ledger.last)

@@ -11,7 +11,7 @@ from mpmkit._core.running.blocks import BodyBlocks
 from mpmkit._core.running.lattice import Lattice
 from mpmkit.errors import StabilityError
 
-_BUDGET = 4  # numbers for each particle that may wait aside at a time; components that do not fit go in a further sweep
+_BUDGET = 2  # numbers for each particle that may wait aside at a time; components that do not fit go in a further sweep
 
 Task = Callable[[], object]
 

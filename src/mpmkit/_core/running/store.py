@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import attrs
 import numpy as np
 
 from mpmkit._core.composing.composition import Group
@@ -73,6 +74,10 @@ class BodyStore:
                 one[list(diagonal)] = field.initial
                 one = one[:dim] if field.shape == "vector" else one
                 self.set(name_, np.broadcast_to(one, (self.n, one.size)))
+
+    def release(self) -> None:
+        """Let go of the initial positions, which only loads of particle layers ask for again: they are a tenth of a large body's memory."""
+        self.points = attrs.evolve(self.points, x=np.zeros((0, self.layout.dim)))
 
     def _tiled(self) -> Any:
         return self.P.reshape(self.tiles, self.layout.size, LANES)
