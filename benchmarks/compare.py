@@ -139,7 +139,7 @@ def main(quick: bool = False, against: dict[str, str] | None = None, only: tuple
     programs, missing = commands(against or {}, only)
     cores = len(os.sched_getaffinity(0))
     threads = tuple(t for t in (1, 2) if t <= cores)
-    sizes, precs, count, budget = (("Q",), ("f64",), 2, 1.0) if quick else (("S",), PRECISIONS, 5, 4.0)
+    sizes, precs, count, budget = (("Q",), ("f64",), 2, 1.0) if quick else (("S",), PRECISIONS, 3, 2.0)
     plan = settings(cases or tuple(CASES), sizes, precs, threads)
     if not quick and "apic3" in (cases or CASES):
         plan += settings(("apic3",), ("L",), ("f64",), threads)
