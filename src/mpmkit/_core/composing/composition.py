@@ -105,6 +105,11 @@ class Composition:
         rubs = any(layer.rub is not None for layer in self.layers.values())
         return one_sum and not local and not rubs and self.verbs[:3] == ["p2g", "forces", "momentum"]
 
+    @property
+    def first_loop_asks_dt(self) -> bool:
+        """What particles give to the nodes at the start of a step depends on the step's length."""
+        return self.merges or any(e.body_force is not None and "dt" in e.body_force.arguments for e in self.effects.values())
+
     def roles(self, material: ConstitutiveModel | None = None) -> dict[str, Component]:
         """Components by role; the generated names are made from the roles."""
         out: dict[str, Any] = {"material": material, "shape": self.shape, "transfer": self.transfer, "contact": self.contact}

@@ -38,8 +38,10 @@ def sizes(plan: Plan) -> dict[str, Any]:
     if c.stored_operator:
         return {"passes": passes, "nodes per particle": plan.operator.per_point, "operator": "stored"}
     arena = plan.operator.arena
+    joined = plan.schedule.cycle is not None
     return {
         "passes": passes,
+        "joined in large bodies": joined,
         "nodes per particle": plan.operator.nodes**c.dim,
         "operator": "rebuilt",
         "block": [arena.block] * c.dim,
@@ -51,6 +53,8 @@ def summary(found: dict[str, Any]) -> str:
     """The sizes in words."""
     count, nodes = found["passes"], found["nodes per particle"]
     text = f"{count} over the particles, {nodes} node{'s' if nodes > 1 else ''} each"
+    if found.get("joined in large bodies"):
+        text += ", the last and the next step's first in one pass if bodies are large"
     if found["operator"] == "stored":
         return f"{text}, from lists with weights that are made once"
     block, arena = (" x ".join(map(str, found[name])) for name in ("block", "arena"))

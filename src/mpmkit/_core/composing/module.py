@@ -17,7 +17,7 @@ from mpmkit._core.composing.schedule import Phase, Schedule
 from mpmkit._core.composing.sorting import sort_functions
 from mpmkit._core.composing.source import Names, Parameters, ParticleLoop
 from mpmkit._core.composing.sweep import Sweep
-from mpmkit._core.composing.writer import ACCOUNTS, each_particle, fused_function, particle_function
+from mpmkit._core.composing.writer import ACCOUNTS, Written, alone, cycle, each_particle, in_parts, written
 
 LEDGER = (
     "mass",
@@ -45,6 +45,7 @@ class Module:
         self.slots = 1  # rows of lanes in the scratch array of a thread
         self.scatters: set[str] = set()  # loops that add to nodes
         self.traffic: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {}  # of each loop: channels summed over nodes, channels added to
+        self.written: dict[str, tuple[ParticleLoop, Written]] = {}
         self.channel = {"strain": plan.strain_channel, "u": "u", "u_next": "u_next"}
 
     def loop(self, group: Group) -> ParticleLoop:
@@ -74,8 +75,8 @@ class Module:
                 if phase.kind == "loads":
                     self.take(loop, name, conditions.load(loop, self.operator, phase.role, name))
                 else:
-                    loop.verbs = phase.verbs
-                    self.take(loop, name, fused_function(loop, self.operator, name, list(phase.verbs), self.channel))
+                    self.written[name] = loop, written(loop, self.operator, name, list(phase.verbs), self.channel)
+                    self.take(loop, name, alone(self.written[name][1], self.operator))
         elif phase.kind == "boundary":
             on_old = phase.channel == "v" and (not has_velocity or c.stored_operator)
             self.texts[phase.name] = conditions.boundary(sweep, phase.role, phase.channel, on_old, phase.name)
@@ -86,13 +87,23 @@ class Module:
             for name, function in meeting.contact_functions(sweep, phase.channel).items():
                 self.texts.setdefault(name, function)
 
+    def cycle(self, group: Group) -> None:
+        """The last loop of a step joined with the first of the next."""
+        ends = self.plan.cycle
+        if ends is not None:
+            (_, last), (loop, first) = (self.written[f"{phase.name}_{group.name}"] for phase in ends)
+            name = f"cycle_{group.name}"
+            self.texts[name] = cycle(name, last, first, self.operator.prepare(loop, moved=True), self.operator)
+            self.scatters.add(name)
+
     def group(self, group: Group) -> None:
         """What every body needs beside its step: initial stress, sums for the ledger."""
         loops = {"initial": (_initial, ACCOUNTS), "ledger": (_ledger, LEDGER)}
         for name, (fill, accounts) in loops.items():
             loop = self.loop(group)
             doc = fill(loop)
-            self.take(loop, f"{name}_{group.name}", particle_function(loop, self.operator, f"{name}_{group.name}", doc, accounts))
+            whole = in_parts(loop, self.operator, f"{name}_{group.name}", doc, accounts)
+            self.take(loop, whole.name, alone(whole, self.operator))
         if self.c.contact is not None:
             loop = self.loop(group)
             self.take(loop, f"reach_{group.name}", meeting.reach_function(loop, self.operator, f"reach_{group.name}"))

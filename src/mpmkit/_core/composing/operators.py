@@ -39,17 +39,17 @@ class GridOperator:
         make = self.arena.fetch if what == "fetch" else self.arena.flush
         return self.helper(name, make(name, layout.size, first, width)), first, width
 
-    def prepare(self, loop: ParticleLoop) -> list[str]:
-        """Lines of a tile that compute the weights."""
+    def prepare(self, loop: ParticleLoop, moved: bool = False) -> list[str]:
+        """Lines of a tile that compute the weights; of particles that have moved since the block's arena was chosen, if `moved`."""
         kept = "_first" if loop.composition.keeps_size and loop.first else ""
         group, shape = loop.group, loop.composition.shape
         assert shape is not None
         slopes = loop.asks_slopes or any(f == "g" for _, f in loop.sums) or any(f[0] == "g" for t in loop.terms.values() for f, _ in t)
-        name = f"weights_{group.name}{kept}{'' if slopes else '_only'}"
+        name = f"weights_{group.name}{kept}{'' if slopes else '_only'}{'_moved' if moved else ''}"
         if name not in self.functions:
             one = ParticleLoop(loop.composition, loop.parameters, loop.names, group, loop.nodes)
             one.first = loop.first
-            self.helper(name, weights.weights_function(one, name, self.ghosts, self.arena.side, slopes))
+            self.helper(name, weights.weights_function(one, name, self.ghosts, self.arena.side, slopes, moved))
         lines = [f"{name}(P, tile, l0, l1, corner, block, par, sc, ib)"]
         if self.nodes > 2:
             self.helper("fold", weights.fold_rule(self.nodes))

@@ -89,6 +89,7 @@ def make_plan(c: Composition) -> Plan:
         writing.phase(phase)
     for group in c.groups:
         writing.group(group)
+        writing.cycle(group)
     text = writing.text()
     from mpmkit._core.composing import jit
 

@@ -33,11 +33,27 @@ class Phase:
 
 @attrs.define
 class Schedule:
-    """Phases of one step, the channel whose gradient is the strain rate, and whether nodes have velocities before the momentum update."""
+    """Phases of one step, the channel whose gradient is the strain rate, and whether nodes have velocities before the momentum update.
+
+    ``cycle``: the last loop over particles and the first, if one pass may do the one and then the other of the next step.
+    """
 
     phases: list[Phase] = attrs.field(factory=list)
+    cycle: tuple[Phase, Phase] | None = None
     strain_channel: str = "v"
     has_velocity: bool = False
+
+
+def _ends(c: Composition, phases: list[Phase]) -> tuple[Phase, Phase] | None:
+    """The last and the first loop over particles of a step, if one pass may do the one and then the other of the next step.
+
+    Between them nothing happens at the nodes, and the first starts from particles alone.
+    """
+    first, last = phases[0], phases[-1]
+    over_particles = first.kind == last.kind == "particles" and first is not last
+    if c.stored_operator or not over_particles or first.verbs != ("p2g", "forces") or not {"advect", "stress"} <= set(last.verbs):
+        return None
+    return last, first
 
 
 def schedule(c: Composition, verbs: list[str]) -> Schedule:
@@ -114,6 +130,7 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
         else:
             raise CompositionError(f"the recipe of {_name(c.integrator)} has an unknown verb {verb!r}")
     flush()
+    out.cycle = _ends(c, out.phases) if out.phases else None
     return out
 
 

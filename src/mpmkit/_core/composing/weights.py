@@ -6,7 +6,7 @@ from mpmkit._core.composing.layout import LANES, Slots, lane
 from mpmkit._core.composing.source import ParticleLoop
 
 
-def weights_function(loop: ParticleLoop, name: str, ghosts: int, side: int, slopes: bool) -> str:
+def weights_function(loop: ParticleLoop, name: str, ghosts: int, side: int, slopes: bool, moved: bool) -> str:
     """Weights and, if asked for, slopes along each axis; the arena's number of each particle's first node into ``ib``."""
     c = loop.composition
     shape, dim = c.shape, loop.dim
@@ -36,10 +36,17 @@ def weights_function(loop: ParticleLoop, name: str, ghosts: int, side: int, slop
             *[f"{lane(slots.d(a, k))} = d[{k}]" for k in range(n) if slopes],
             f"{lane(slots.f(a))} = f{a}",
         ]
-    place = "i0 - c0"
-    for a in range(1, dim):
-        place = f"({place}) * T({side}) + i{a} - c{a}"
-    lines.append(f"ib[U(l)] = int32({place})")
+    if moved:  # perhaps too far: kept inside, see `cycle`
+        place = ""
+        for a in range(dim):
+            one = f"min(max(int32(i{a} - c{a}), 0), {side - n})"
+            place = f"({place}) * {side} + {one}" if a else one
+        lines.append(f"ib[U(l)] = {place}")
+    else:
+        place = "i0 - c0"
+        for a in range(1, dim):
+            place = f"({place}) * T({side}) + i{a} - c{a}"
+        lines.append(f"ib[U(l)] = int32({place})")
     head = [f"c{a} = T(corner[U(3 * block + {a})] - {ghosts})" for a in range(dim)]
     text = [
         "@compiled",

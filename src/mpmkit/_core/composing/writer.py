@@ -7,6 +7,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any
 
+import attrs
+
 from mpmkit._core.composing.layout import LANES, NodeLayout, lane
 from mpmkit._core.composing.pieces import PIECES
 from mpmkit._core.composing.source import ParticleLoop
@@ -17,61 +19,108 @@ ACCOUNTS = ("speed", "diffusion", "moved", "inverted", "inside", "stretched", "v
 LINE = {"float64": 8, "float32": 16}  # numbers in a cache line
 AHEAD = 6  # tiles: memory answers while the tiles before are worked on
 
+MOST_ACCOUNTS = 11  # rows of lanes kept for accounts, before those of sums and terms
+
 START = {"max": "zero", "sum": "zero", "watch >": "one", "watch >=": "one"}
 
 
-def fused_function(loop: ParticleLoop, operator: Any, name: str, verbs: list[str], channel: dict[str, str]) -> str:
+@attrs.define
+class Written:
+    """The text of a loop over particles in its parts: before, in and after the tiles of a block."""
+
+    name: str
+    doc: str
+    verbs: tuple[str, ...]
+    computation: str
+    accounts: dict[str, str]
+    columns: tuple[str, ...]
+    before: list[str]
+    weights: list[str]
+    ahead: list[str]
+    gather: list[str]
+    scatter: list[str]
+    after: list[str]
+
+    def tile(self, time: str = "t") -> list[str]:
+        """Lines for the 16 particles of a tile without the weights; memory is asked for before nodes are visited, which leaves it alone."""
+        call = [f"{self.name}_tile(P, tile, l0, l1, par, sc, {time}, dt)"]
+        if self.gather or not self.scatter:
+            return [*self.ahead, *self.gather, *call, *self.scatter]
+        return [*call, *self.ahead, *self.scatter]
+
+
+def written(loop: ParticleLoop, operator: Any, name: str, verbs: list[str], channel: dict[str, str]) -> Written:
     """The text of one loop that does several verbs."""
     loop.first = "p2g" in verbs
+    loop.verbs = tuple(verbs)
     for verb in verbs:
         PIECES[verb](loop, "before", channel)
     for verb in verbs:
         PIECES[verb](loop, "compute", channel)
-    return particle_function(loop, operator, name, "; ".join(loop.titles))
+    return in_parts(loop, operator, name, "; ".join(loop.titles))
 
 
-def particle_function(loop: ParticleLoop, operator: Any, name: str, doc: str, accounts: tuple[str, ...] = ACCOUNTS) -> str:
-    """Texts of the computation on one tile and of the loop over blocks that calls it."""
+def in_parts(loop: ParticleLoop, operator: Any, name: str, doc: str, columns: tuple[str, ...] = ACCOUNTS) -> Written:
+    """Turn what a loop asks for into text; `columns` are those of the accounts of a block."""
     nodes: NodeLayout = loop.nodes
-    slot = operator.slots.count
+    at = {account: operator.slots.count + columns.index(account) for account in loop.accounts}
+    slot = operator.slots.count + MOST_ACCOUNTS
     before: list[str] = []
     after: list[str] = []
-    tile: list[str] = []
-    if loop.sums or loop.terms or loop.asks_weights:
-        tile += operator.prepare(loop)
-    # before the visit to the nodes, which leaves the particles' memory alone
+    gather: list[str] = []
+    scatter: list[str] = []
+    weights = operator.prepare(loop) if loop.sums or loop.terms or loop.asks_weights else []
     record, line = loop.group.layout.size * LANES, LINE[loop.composition.sim.precision]
     ahead = [f"for line in range(0, {record}, {line}):", f"    prefetch(P, (tile + {AHEAD}) * {record} + line)"]
     loads: list[str] = []
-    if loop.sums or not loop.terms:
-        tile += ahead
     if loop.sums:
         first, gather, where, taken = operator.gather(loop, nodes, slot)
-        before, tile = before + first, tile + gather
+        before = before + first
         loads = [f"{local} = {value}" for local, value in where.items()]
         slot += taken
     adds: list[str] = []
-    scatter: list[str] = []
     if loop.terms:
         first, adds, scatter, after, taken = operator.scatter(loop, nodes, slot)
         before = before + first
         slot += taken
-    at = {account: slot + k for k, account in enumerate(loop.accounts)}
-    loop.most_slots = slot + len(at)
+    loop.most_slots = slot
     compute = [*loads, *loop.lines, *adds, *loop.store_lines]
-    compute = [re.sub(r"\$(\w+)", lambda m: lane(at[m[1]]), line) for line in compute]
-    tile.append(f"{name}_tile(P, tile, l0, l1, par, sc, t, dt)")
-    tile += ([] if loop.sums else ahead) + scatter if loop.terms else []
+    compute = [re.sub(r"\$(\w+)", lambda m: lane(at[m[1]]), one) for one in compute]
     body = textwrap.indent('"""' + _wrapped(doc) + '"""', "    ")
     text = ["@compiled", f"def {name}_tile(P, tile, l0, l1, par, sc, t, dt):", body, "    wide()", *loop.parameter_lines()]
-    text += [f"    b = tile * {loop.group.layout.size * LANES}", "    for l in range(l0, l1):", *(f"        {line}" for line in compute)]
-    text += ["", "", "@compiled", f"def {name}({operator.arguments}, {operator.scratch}, t, dt):"]
-    text += [f'    """Blocks first to last of: {", ".join(loop.verbs) or doc[:1].lower() + doc[1:]}."""', "    mode = tiny_to_zero()"]
-    text += ["    for block in range(first, last):"]
-    text += [f"        {line}" for line in before]
+    text += [f"    b = tile * {record}", "    for l in range(l0, l1):", *(f"        {one}" for one in compute)]
+    return Written(name, doc, loop.verbs, "\n".join(text), dict(loop.accounts), columns, before, weights, ahead, gather, scatter, after)
+
+
+def alone(w: Written, operator: Any) -> str:
+    """The computation on a tile, and the loop over blocks that calls it."""
+    told = ", ".join(w.verbs) or w.doc[:1].lower() + w.doc[1:]
+    loop = _over_blocks(w.name, told, operator.arguments, operator, w, w.before, [*w.weights, *w.tile()], w.after)
+    return w.computation + "\n\n\n" + loop
+
+
+def cycle(name: str, last: Written, first: Written, moved: list[str], operator: Any) -> str:
+    """The last loop of a step and the first of the next in one pass: from the nodes of the one, in G, to those of the other, in H.
+
+    `moved` are the weights at the positions after the step. A particle that has strayed from the arena is kept inside; the pass is
+    then thrown away (`Engine.step`).
+    """
+    arguments = operator.arguments.replace("G, par", "G, H, par")
+    tile = [*last.weights, *last.tile(), *moved, *(line for line in first.tile("t + dt") if line not in first.ahead)]
+    after = [*last.after, *(line.replace("(far, G,", "(far, H,") for line in first.after)]
+    told = f"{', '.join(last.verbs)}, and {', '.join(first.verbs)} of the next step"
+    return _over_blocks(name, told, arguments, operator, last, [*last.before, *first.before], tile, after)
+
+
+def _over_blocks(
+    name: str, told: str, arguments: str, operator: Any, w: Written, before: list[str], tile: list[str], after: list[str]
+) -> str:
+    at = {account: operator.slots.count + w.columns.index(account) for account in w.accounts}
+    text = ["@compiled", f"def {name}({arguments}, {operator.scratch}, t, dt):", f'    """Blocks first to last of: {told}."""']
+    text += ["    mode = tiny_to_zero()", "    for block in range(first, last):", *(f"        {line}" for line in before)]
     if at:
         text += ["        for l in range(16):"]
-        text += [f"            {lane(s)} = {START[loop.accounts[account]]}" for account, s in at.items()]
+        text += [f"            {lane(s)} = {START[w.accounts[account]]}" for account, s in at.items()]
     text += [
         "        p0, p1 = starts[U(block)], starts[U(block + 1)]",
         "        for tile in range(p0 >> 4, (p1 + 15) >> 4):",
@@ -80,13 +129,13 @@ def particle_function(loop: ParticleLoop, operator: Any, name: str, doc: str, ac
         *(f"        {line}" for line in after),
     ]
     for account, s in at.items():
-        kind, column = loop.accounts[account], f"acc[U({len(accounts)} * block + {accounts.index(account)})]"
+        column = f"acc[U({len(w.columns)} * block + {w.columns.index(account)})]"
         one = {
             "max": f"{lane(s)} if not ({lane(s)} <= most) else most",
             "sum": f"most + {lane(s)}",
             "watch >": f"most if {lane(s)} > zero else 1.0",
             "watch >=": f"most if {lane(s)} >= zero else 1.0",
-        }[kind]
+        }[w.accounts[account]]
         text += ["        most = 0.0", "        for l in range(16):", f"            most = {one}", f"        {column} = most"]
     text.append("    as_before(mode)")
     return "\n".join(text) + "\n"

@@ -17,10 +17,17 @@ Step = Callable[[Any, Any], None]
 
 def over_particles(e: Engine, k: int, name: str, acc: Any) -> Step:
     """A loop over the blocks of body k, on all threads; blocks that add to the same nodes are never at work together."""
-    name = f"{name}_{e.stores[k].group.name}"
-    function, arguments, team = getattr(e.module, name), e.particle_arguments(k, acc), e.team
-    blocks = e.places.blocks[k]
-    scratch = e.scratch
+    return _over_blocks(e, k, f"{name}_{e.stores[k].group.name}", e.particle_arguments(k, acc))
+
+
+def joined(e: Engine, k: int) -> Step:
+    """The last loop of a step over the particles of body k, and the first of the next."""
+    P, starts, corner, home, edge, G, par, acc = e.particle_arguments(k, e.places.acc[k])
+    return _over_blocks(e, k, f"cycle_{e.stores[k].group.name}", (P, starts, corner, home, edge, G, e.field_of(k).H, par, acc))
+
+
+def _over_blocks(e: Engine, k: int, name: str, arguments: tuple[Any, ...]) -> Step:
+    function, team, blocks, scratch = getattr(e.module, name), e.team, e.places.blocks[k], e.scratch
     if team.size == 1:
 
         def alone(t: Any, dt: Any) -> None:
@@ -52,10 +59,9 @@ def over_nodes(e: Engine, k: int, phase: Phase) -> Step:
     return run
 
 
-def clear(e: Engine, field: Any) -> Callable[[], None]:
+def clear(e: Engine, field: Any, G: Any) -> Callable[[], None]:
     """All channels of all stored nodes to zero."""
     function, size, parts = e.module.clear_nodes, field.lattice.nodes_per_block * e.channels, _parts(field.active, e.team.size)
-    G = field.G
     return lambda: e.team.run(lambda thread, part: function(*part, G, size), parts)
 
 

@@ -37,6 +37,7 @@ class SparseNodes:
         self.numbers: Any = np.zeros(0, dtype=np.int64)
         self.blocks: Any = np.zeros((0, 3), dtype=np.int64)
         self.G: Any = np.zeros(0, dtype=dtype)
+        self._other: Any = np.zeros(0, dtype=dtype)
         self._seen: list[tuple[BodyBlocks, int]] = []
 
     @property
@@ -75,6 +76,17 @@ class SparseNodes:
         else:
             self.G[:] = 0.0
         return True
+
+    @property
+    def H(self) -> Any:
+        """Records for the next step while `G` holds those of this one; made at first use, all zero then."""
+        if self._other.size != self.G.size:
+            self._other = np.zeros(self.G.size, dtype=self.G.dtype)
+        return self._other
+
+    def turn(self) -> None:
+        """Exchange `G` and `H`."""
+        self.G, self._other = self.H, self.G
 
     def node_numbers(self) -> Any:
         """Which node of the grid each stored node is: int64[n_nodes, dim], along each axis 0 on the lower face, negative before it."""

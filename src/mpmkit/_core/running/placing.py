@@ -38,6 +38,7 @@ class SortedBodies:
         self.blocks: list[Any] = [BodyBlocks(self.lattice) for _ in stores]
         self.acc: list[Any] = [np.zeros(0) for _ in stores]
         self.drift = np.full(len(stores), np.inf)
+        self.pace = np.zeros(len(stores))
         self._scratch = Scratch()
         self._ledger: Any = np.zeros(0)
 
@@ -50,6 +51,19 @@ class SortedBodies:
             self._sized(k)
             self.drift[k] = 0.0
         return late.size > 0
+
+    def moved(self, k: int, cells: float) -> None:
+        """A particle of body k may have moved by so many cells in the step that is being closed."""
+        self.drift[k] += cells
+        self.pace[k] = cells
+
+    def in_place(self) -> bool:
+        """Whether all particles are still within the arenas of their blocks."""
+        return bool((self.drift <= FARTHEST).all())
+
+    def stays(self) -> bool:
+        """Whether they are likely to be after one more step."""
+        return bool((self.drift + 1.1 * self.pace <= FARTHEST).all())
 
     def _run(self, tasks: Any) -> None:
         self.team.run(lambda thread, task: task(), list(tasks))
@@ -108,12 +122,14 @@ class ListedPoints:
     def __init__(self, stores: list[BodyStore]) -> None:
         self.blocks = [_Runs(s.n) for s in stores]
         self.acc = [np.zeros(b.count * len(ACCOUNTS)) for b in self.blocks]
-        self.drift = np.zeros(len(stores))
         self._fresh = True
 
     def update(self, module: Any) -> bool:
         fresh, self._fresh = self._fresh, False
         return fresh
+
+    def moved(self, k: int, cells: float) -> None:
+        """Points stay in their lists."""
 
     def ledger_acc(self, k: int, width: int) -> Any:
         return np.zeros(self.blocks[k].count * width)
