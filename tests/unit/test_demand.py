@@ -141,6 +141,10 @@ LOOPS = {
 }
 
 
+def without_windows(text):
+    return re.sub(r"(fetch|flush)_\d+_\d+", r"\1", text)
+
+
 @pytest.mark.parametrize("integrator", [MUSL(), USL(APIC(), limit=0.0)], ids=["musl", "usl"])
 @pytest.mark.parametrize("cls", OPTIONAL, ids=lambda c: c.__name__)
 def test_a_component_changes_only_the_loops_it_acts_in(cls, integrator):
@@ -154,8 +158,9 @@ def test_a_component_changes_only_the_loops_it_acts_in(cls, integrator):
     computations = {n.removesuffix("_NeoHookean_tile") for n in before if n.endswith("_tile") or n == "momentum"}
     changed = {n.removesuffix("_NeoHookean_tile") for n in before if after[n] != before[n] and not n.endswith("_NeoHookean")}
     assert changed == wanted and wanted <= computations
-    # around the computation: reductions of what it keeps account of, of the same loops
-    assert {n.removesuffix("_NeoHookean") for n in before if after[n] != before[n] and n.endswith("_NeoHookean")} <= wanted
+    # around the computation: reductions of what it keeps account of, of the same loops; a further channel may shift the record of a node
+    around = {n for n in before if n.endswith("_NeoHookean") and without_windows(after[n]) != without_windows(before[n])}
+    assert {n.removesuffix("_NeoHookean") for n in around} - {"cycle"} <= wanted
     (old, old_nodes), (new, new_nodes) = fields(without), fields(with_it)
     assert new[0] == old[0] + FIELDS.get(name, [])
     assert sorted(new_nodes) == sorted({*old_nodes, *(c for c in CHANNELS.get(name, []) if c != "v_map")})

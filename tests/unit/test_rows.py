@@ -41,14 +41,14 @@ class Tile:
     def row(self, slot: int) -> np.ndarray:
         return self.sc[LANES * slot : LANES * slot + LANES]
 
-    def nodes(self, l: int):
+    def nodes(self, p: int):
         """Number in the arena, weight, slopes and index moments of each node of a particle."""
         s = self.slots
         for k in product(range(self.n), repeat=self.dim):
-            w = [self.row(s.w(a, k[a]))[l] for a in range(self.dim)]
-            d = [self.row(s.d(a, k[a]))[l] for a in range(self.dim)]
+            w = [self.row(s.w(a, k[a]))[p] for a in range(self.dim)]
+            d = [self.row(s.d(a, k[a]))[p] for a in range(self.dim)]
             along = [np.prod([d[a] if a == b else w[a] for a in range(self.dim)]) for b in range(self.dim)]
-            yield int(self.ib[l] + np.dot(k, self.strides)), np.prod(w), along, [np.prod(w) * k[b] for b in range(self.dim)]
+            yield int(self.ib[p] + np.dot(k, self.strides)), np.prod(w), along, [np.prod(w) * k[b] for b in range(self.dim)]
 
 
 CASES = [(dim, n, width) for dim in (1, 2, 3) for n in (2, 3, 4) for width in (2, 4, 8, 16) if dim < 3 or n < 4 or width < 16]
@@ -65,13 +65,13 @@ def test_sums_over_nodes(dim, n, width, kinds, itemsize):
     gather = compiled_in_python(rows.gather_function("gather", tile.slots, tile.arena.side, width, kinds, itemsize), "gather")
     tr = np.full(LANES * S, np.nan)
     gather(u, FIRST, LAST, tile.sc, tile.ib, tr)
-    for l in range(FIRST, LAST):
+    for p in range(FIRST, LAST):
         sums = np.zeros((len(wanted_at), width))
-        for node, w, slopes, moments in tile.nodes(l):
+        for node, w, slopes, moments in tile.nodes(p):
             factors = {"w": w} | {f"g{b}": slopes[b] for b in range(dim)} | {f"k{b}": moments[b] for b in range(dim)}
             for place, result in enumerate(wanted_at):
                 sums[place] += factors[result] * u[width * node : width * node + width]
-        found = tr[S * l : S * l + sums.size].reshape(sums.shape)
+        found = tr[S * p : S * p + sums.size].reshape(sums.shape)
         assert np.abs(found - sums).max() < TOLERANCE * np.abs(sums).max() + TOLERANCE
     assert np.isnan(tr[: S * FIRST]).all() and np.isnan(tr[S * LAST :]).all(), "only the particles of the block"
 
@@ -91,13 +91,13 @@ def test_terms_for_nodes(dim, n, width, pattern, itemsize):
     arena = tile.rng.normal(size=tile.arena.size * width + 64)
     wanted = arena.copy()
     scatter(arena, FIRST, LAST, tile.sc, tile.ib, terms.reshape(-1))
-    for l in range(FIRST, LAST):
-        for node, w, slopes, moments in tile.nodes(l):
+    for p in range(FIRST, LAST):
+        for node, w, slopes, moments in tile.nodes(p):
             for c, kind in enumerate(kinds):
-                wanted[width * node + c] += terms[l, c] * w
+                wanted[width * node + c] += terms[p, c] * w
                 if kind:
                     along = slopes if kind == "g" else moments
-                    wanted[width * node + c] += sum(terms[l, (1 + b) * width + c] * along[b] for b in range(dim))
+                    wanted[width * node + c] += sum(terms[p, (1 + b) * width + c] * along[b] for b in range(dim))
     assert np.abs(arena - wanted).max() < TOLERANCE * np.abs(wanted).max() * n**dim
 
 

@@ -100,7 +100,8 @@ class NodeLayout:
         spans = [(self.start[n], self.start[n] + self.width(n)) for n in channels]
         low, high = min(s for s, _ in spans), max(e for _, e in spans)
         width = _power_of_two(high - low)
-        return max(0, min(low, self.size - width)), width
+        aligned = low // width * width
+        return (aligned if high <= aligned + width else max(0, min(low, self.size - width))), width
 
 
 def _power_of_two(n: int) -> int:
