@@ -314,7 +314,7 @@ class Engine:
         """Memory of particles, nodes and scratch arrays, with the numbers of stored nodes and of their blocks."""
         return {
             "particles": sum(s.P.nbytes + s.ids.nbytes for s in self.stores),
-            "nodes": sum(f.G.nbytes for f in self.fields),
+            "nodes": sum(f.G.nbytes for f in self.fields) * (2 if self.joins else 1),
             "scratch": sum(a.nbytes for arrays in self.scratch for a in arrays),
             "stored nodes": sum(f.n_nodes for f in self.fields),
             "blocks": sum(f.active for f in self.fields),
