@@ -102,6 +102,8 @@ class Composition:
             return False
         one_sum = t.affine == "none" or t.gradient == "moment"  # else a channel would have terms with slopes and with distances
         local = any(e.body_force is not None or _varies(e, self.dim) for e in self.effects.values())
+        # radial internal forces of rings do not add up to zero
+        local |= self.grid.space == "axisymmetric" and any(e.acceleration is not None for e in self.effects.values())
         rubs = any(layer.rub is not None for layer in self.layers.values())
         return one_sum and not local and not rubs and self.verbs[:3] == ["p2g", "forces", "momentum"]
 

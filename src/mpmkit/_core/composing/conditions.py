@@ -49,14 +49,15 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         text.append("friction -= " + " + ".join(f"drag{a} * T(2) * {before}[{a}]" for a in range(dim)))
         return text + [f"reaction{a} += drag{a}" for a in range(dim)] + ["new = rubbed"]
 
-    def work_taken_back(raw: str, trial: str, old: str, new: str) -> list[str]:
-        """The momentum update took the work of accelerations with velocities that this layer has just changed."""
+    def work_taken_back(changes: dict[str, str]) -> list[str]:
+        """The momentum update took the work of accelerations with velocities that this layer has just changed (from: to)."""
         text = []
         for effect_role, effect in c.effects.items():
             if effect in accelerations and effect.acceleration is not None:
-                given = {"v": raw} | {k: v for k, v in special.items() if k == "x"}
+                given = {"v": next(iter(changes))} | {k: v for k, v in special.items() if k == "x"}
                 text.append(f"{effect_role}_a = {sweep.call('acceleration', effect.acceleration, effect_role, None, given)}")
-                change = " + ".join(f"{effect_role}_a[{a}] * ({trial}[{a}] - {new}[{a}] + {raw}[{a}] - {old}[{a}])" for a in range(dim))
+                lost = [" + ".join(f"{was}[{a}] - {now}[{a}]" for was, now in changes.items()) for a in range(dim)]
+                change = " + ".join(f"{effect_role}_a[{a}] * ({lost[a]})" for a in range(dim))
                 sign, account_of = ("+", "effects") if effect.work == "dissipated" else ("-", "external")
                 text.append(f"{account_of} {sign}= m * dt * ({change})")
         return text
@@ -68,7 +69,9 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
             inner += ["if new != trial:", f"    new = {held('trial')}"]
         inner += [f"reaction{a} = m * (new[{a}] - trial[{a}])" for a in range(dim)]
         inner.append("boundary += T(2) * (" + " + ".join(f"reaction{a} * new[{a}]" for a in range(dim)) + ")")
-        inner += work_taken_back("trial", "trial", "new", "new")
+        # Of the mean of the velocities before and after, only the latter: those before add up to the particles' momentum with
+        # the internal forces of all nodes, the held ones too, and of no part of them.
+        inner += work_taken_back({"trial": "new"})
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v", dim, "new")
     elif channel == "v":
@@ -91,7 +94,7 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         inner += [f"reaction{a} = m * (new[{a}] - trial[{a}] - {share} * (old[{a}] - raw[{a}]))" for a in range(dim)]
         inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + old[{a}])" for a in range(dim)))
         inner += rubbed("old")
-        inner += work_taken_back("raw", "trial", "old", "new")
+        inner += work_taken_back({"raw": "old", "trial": "new"})
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v", dim, "new")
     elif channel == "v_old":

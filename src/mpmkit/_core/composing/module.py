@@ -122,8 +122,8 @@ class Module:
 NODE_PHASES: dict[str, Callable[[Sweep], str]] = {
     "carry": lambda sweep: sweeps.carry(sweep, "carry"),
     "velocity": lambda sweep: sweeps.divide(sweep, "v_old", "velocity", "Nodes: v_i = (mv)_i / m_i."),
-    "limited_velocity": lambda sweep: sweeps.limit(sweep, "limited_velocity"),
-    "soft_velocity": lambda sweep: sweeps.soften(sweep, "soft_velocity"),
+    "limited_velocity": lambda sweep: sweeps.limit(sweep, "limited_velocity", "v_map", "m_limit"),
+    "soft_velocity": lambda sweep: sweeps.limit(sweep, "soft_velocity", "v_soft", "m_light"),
     "mapped_velocity": lambda sweep: sweeps.divide(
         sweep, "v_map", "mapped_velocity", "Nodes: v_i = (mv)_i / m_i after the second mapping."
     ),

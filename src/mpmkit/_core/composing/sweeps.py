@@ -67,23 +67,13 @@ def divide(sweep: Sweep, channel: str, name: str, doc: str) -> str:
     return sweep.over_nodes(name, doc, lines, {})
 
 
-def limit(sweep: Sweep, name: str) -> str:
-    """Velocities for the strain, with the change limited where the nodal mass is below a fraction of a particle's."""
+def limit(sweep: Sweep, name: str, channel: str, mass: str) -> str:
+    """Velocities with the change limited at nodes lighter than `mass`, the name of a parameter."""
     layout, dim = sweep.layout, sweep.dim
-    m_limit = sweep.parameter("m_limit", lambda roles: roles["m_limit"])
-    lines = [f"share = min(one, {node(layout, 'm')} / {m_limit})"]
-    lines += [f"{node(layout, 'v_map', a)} = {limited(layout, a)}" for a in range(dim)]
-    doc = "Nodes: velocities for the strain, limited where there is little mass."
-    return sweep.over_nodes(name, doc, lines, {})
-
-
-def soften(sweep: Sweep, name: str) -> str:
-    """Velocities for the affine matrix of kinked shape functions: they have a full slope at nodes with hardly any mass."""
-    layout, dim = sweep.layout, sweep.dim
-    m_light = sweep.parameter("m_light", lambda roles: roles["m_light"])
-    lines = [f"share = min(one, {node(layout, 'm')} / {m_light})"]
-    lines += [f"{node(layout, 'v_soft', a)} = {limited(layout, a)}" for a in range(dim)]
-    return sweep.over_nodes(name, "Nodes: velocities for the affine matrix, limited at nodes lighter than half a particle.", lines, {})
+    least = sweep.parameter(mass, lambda roles: roles[mass])
+    lines = [f"share = min(one, {node(layout, 'm')} / {least})"]
+    lines += [f"{node(layout, channel, a)} = {limited(layout, a)}" for a in range(dim)]
+    return sweep.over_nodes(name, f"Nodes: velocities {channel}, limited where there is little mass.", lines, {})
 
 
 def carry(sweep: Sweep, name: str) -> str:

@@ -250,14 +250,12 @@ class Engine:
             do(self.turns[0].first)
         turn, self.ready = self.turns[0], None
         do(turn.middle)
-        if self.joins and self.places.stays():
+        joined = self.joins and self.places.stays()
+        if joined:
             clear(turn.other)
-            do(turn.joined)
-        else:
-            turn = attrs.evolve(turn, joined=[])
-            do(turn.last)
+        do(turn.joined if joined else turn.last)
         self._account()
-        if turn.joined and self.places.in_place():
+        if joined and self.places.in_place():
             self.ready = dt
             self.turns.reverse()
             for field in self.fields:
