@@ -137,6 +137,8 @@ class Explanation:
             count = sum(s.n for s in run._stores if s.group.name == group)
             lines += ["", f"particle fields of {group}: {total} bytes each, {count:,} particles, {total * count / 1e6:.3g} MB"]
             lines += [f"    {name:<8}{f['bytes']:>4} B   {', '.join(f['for'])}" for name, f in fields.items()]
+            derived = next(g for g in c.groups if g.name == group).layout.derived
+            lines += [f"    {name:<8}   0 B   computed where it is asked for" for name in derived]
         node_bytes = sum(f["bytes"] for f in data["node fields"].values())
         n_fields = len(run._stores) if c.contact is not None else 1
         lines += ["", f"node fields: {node_bytes} bytes per node{f', one set for each of {n_fields} bodies' if n_fields > 1 else ''}"]

@@ -20,7 +20,7 @@ from mpmkit.effects import BodyForce, Gravity
 from mpmkit.fields import PARTICLE_FIELDS
 from mpmkit.integrators import APIC, MUSL, PIC, USF, XPIC
 from mpmkit.kernels import Kernel
-from mpmkit.materials import LinearElastic, NeoHookean, NewtonianFluid, VonMises
+from mpmkit.materials import HypoelasticJaumann, LinearElastic, NeoHookean, NewtonianFluid, VonMises
 from mpmkit.shapes import GIMP, CubicBSpline, Linear
 
 PLANE = grid("plane strain")
@@ -106,8 +106,17 @@ def test_only_what_the_dimension_needs_is_stored():
         g = grid(space)
         body = mpm.Body(mpm.Box(tuple(x + 0.5 for x in g.lower), tuple(x + 1.0 for x in g.lower)), RUBBER)
         stored[space] = simulation(g, body).compose().plan.composition.groups[0].layout.size
-    # x, v (dim each), m, V0, F, stress
-    assert stored == {"1D": 2 + 2 + 1 + 3, "plane strain": 4 + 2 + 4 + 4, "axisymmetric": 4 + 2 + 5 + 4, "3D": 6 + 2 + 9 + 6}
+    # x, v (dim each), m, V0, F; the stress follows from F
+    assert stored == {"1D": 2 + 2 + 1, "plane strain": 4 + 2 + 4, "axisymmetric": 4 + 2 + 5, "3D": 6 + 2 + 9}
+
+
+def test_stress_is_kept_only_if_it_does_not_follow_from_the_deformation():
+    kept = {}
+    for law in (RUBBER, VonMises(E=1e3, nu=0.3, rho=1.0, yield_stress=1.0), HypoelasticJaumann(E=1e3, nu=0.3, rho=1.0)):
+        g = grid("plane strain")
+        body = mpm.Body(mpm.Box(tuple(x + 0.5 for x in g.lower), tuple(x + 1.0 for x in g.lower)), law)
+        kept[type(law).__name__] = "stress" in simulation(g, body).compose().plan.composition.groups[0].layout.fields
+    assert kept == {"NeoHookean": False, "VonMises": True, "HypoelasticJaumann": True}
 
 
 def test_state_of_a_law_may_have_any_name():
@@ -271,7 +280,7 @@ def test_explain_shows_the_step():
     assert phases == ["particles", "nodes", "boundary", "particles", "nodes", "boundary", "particles"]
     assert re.search(r"nodes +momentum +MUSL, Gravity", text)
     assert re.search(r"particles +advect, strain, stress +QuadraticBSpline, NeoHookean", text)
-    assert re.search(r"C +32 B +APIC", text) and re.search(r"stress +32 B +NeoHookean", text)
+    assert re.search(r"C +32 B +APIC", text) and re.search(r"stress +0 B +computed where it is asked for", text)
     assert "off (no field, no line, no time): ArtificialViscosity, BodyForce, Damping, FrictionalContact" in text
     assert "h / (c + |v|)" in text and "body 'bar'" in text
     assert sim.compose().plan.text == Path(text.rsplit("generated step: ", 1)[1]).read_text()

@@ -112,7 +112,8 @@ CHANNELS = {
     "TractionLayer": ["f_ext"],
     "TwoPointTraction": ["f_ext"],
 }
-CONTACT = ["find_shared", "contact_normals", "reach_NeoHookean", "choose_normals", "clear_shared", "near_shared", "node_of", "contact_v"]
+CONTACT = ["find_shared", "mark_shared", "clear_shared", "near_shared", "contact_normals", "choose_normals", "contact_v", "node_of"]
+CONTACT += ["reach_NeoHookean", "outward_NeoHookean", "outward_NeoHookean_tile"]
 ADDED = {
     "FrictionalContact": CONTACT,
     "TractionLayer": ["load_TractionLayer_NeoHookean", "node_of"],
@@ -127,7 +128,7 @@ CHANGED = {
     "BodyForce": {"p2g_forces", "momentum", "g2p"},
     "Damping": {"momentum"},
     "Gravity": {"momentum"},
-    "FrictionalContact": {"p2g_forces"},
+    "FrictionalContact": set(),
     "TractionLayer": {"momentum", "g2p"},
     "TwoPointTraction": {"momentum", "g2p"},
     "Wall": set(),

@@ -51,18 +51,28 @@ class Tile:
             yield int(self.ib[p] + np.dot(k, self.strides)), np.prod(w), along, [np.prod(w) * k[b] for b in range(self.dim)]
 
 
-CASES = [(dim, n, width) for dim in (1, 2, 3) for n in (2, 3, 4) for width in (2, 4, 8, 16) if dim < 3 or n < 4 or width < 16]
+CASES = [
+    (dim, n, width)
+    for dim in (1, 2, 3)
+    for n in (2, 3, 4)
+    for width in (2, 4, 6, 8, 12, 16, 20, 28)
+    if dim < 3 or n < 4 or width in (2, 8, 12)
+]
 
 
 @pytest.mark.parametrize("itemsize", [4, 8])
-@pytest.mark.parametrize("kinds", [[], ["k"], ["g"], ["k", "g"]], ids="".join)
+@pytest.mark.parametrize("pattern", ["w", "wk", "wg", "wkg", "wg wg wk w", "w - wg -"])
 @pytest.mark.parametrize(("dim", "n", "width"), CASES)
-def test_sums_over_nodes(dim, n, width, kinds, itemsize):
+def test_sums_over_nodes(dim, n, width, pattern, itemsize):
+    if width * itemsize == 24:
+        pytest.skip("windows narrower than 32 bytes are powers of two")
+    asked = [one.replace("-", "") for one in (pattern.split() * width)[:width]]
+    kinds = rows.kinds_of(asked)
     tile = Tile(dim, n)
     u = tile.rng.normal(size=tile.arena.size * width + 64)
     wanted_at = rows.results(dim, kinds)
     S = rows.stride(len(wanted_at), width)
-    gather = compiled_in_python(rows.gather_function("gather", tile.slots, tile.arena.side, width, kinds, itemsize), "gather")
+    gather = compiled_in_python(rows.gather_function("gather", tile.slots, tile.arena.side, width, asked, itemsize), "gather")
     tr = np.full(LANES * S, np.nan)
     gather(u, FIRST, LAST, tile.sc, tile.ib, tr)
     for p in range(FIRST, LAST):
@@ -72,7 +82,8 @@ def test_sums_over_nodes(dim, n, width, kinds, itemsize):
             for place, result in enumerate(wanted_at):
                 sums[place] += factors[result] * u[width * node : width * node + width]
         found = tr[S * p : S * p + sums.size].reshape(sums.shape)
-        assert np.abs(found - sums).max() < TOLERANCE * np.abs(sums).max() + TOLERANCE
+        wanted = np.array([[result[0] in one for one in asked] for result in wanted_at])
+        assert np.abs(found - sums)[wanted].max() < TOLERANCE * np.abs(sums).max() + TOLERANCE
     assert np.isnan(tr[: S * FIRST]).all() and np.isnan(tr[S * LAST :]).all(), "only the particles of the block"
 
 
@@ -80,6 +91,8 @@ def test_sums_over_nodes(dim, n, width, kinds, itemsize):
 @pytest.mark.parametrize("pattern", ["", "k", "g", "gk", "g_k"], ids=lambda p: p or "weights")
 @pytest.mark.parametrize(("dim", "n", "width"), CASES)
 def test_terms_for_nodes(dim, n, width, pattern, itemsize):
+    if width * itemsize == 24:
+        pytest.skip("windows narrower than 32 bytes are powers of two")
     tile = Tile(dim, n)
     kinds = [(pattern * width)[c].replace("_", "") if pattern else "" for c in range(width)]
     S = rows.stride(dim + 1 if any(kinds) else 1, width)

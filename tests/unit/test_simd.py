@@ -40,7 +40,7 @@ def moves(n, c):
             v = V.load(a, i, n)
             V.prefetch(a, i + 1000)
             V.store(out, 0, v)
-            V.store(out, n, V.tiled(V.part(v, c, c), n))
+            V.store(out, n, V.tiled(V.load(a, i + c, c), n))
             V.store(out, 2 * n, V.spread((a[0], a[1], a[2]), c, n))
             V.store(out, 3 * n, V.mixed(v, V.splat(a[i], n), 0b1010010110011))
             V.store(out, 4 * n, -v)

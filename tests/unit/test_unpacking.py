@@ -17,7 +17,7 @@ def test_every_field_in_every_space(space, monkeypatch):
 
     monkeypatch.setattr(unpacking, "_TILES", 2)  # several pieces, the last one not full
     bodies = [mpm.Body(box(space, *ends), RUBBER, name=str(k)) for k, ends in enumerate(((0.25, 0.75), (1.0, 1.75)))]
-    stores = simulation(grid(space), *bodies, integrator=MUSL(APIC())).compose()._stores
+    stores = simulation(grid(space), *bodies, integrator=MUSL(APIC())).compose().engine.stores
     rng = np.random.default_rng(2)
     for s in stores:
         s.P[:] = 1.0 + rng.random(s.P.shape)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import attrs
 
+from mpmkit._core.composing.rows import whole
+
 
 @attrs.frozen
 class Arena:
@@ -32,17 +34,17 @@ class Arena:
     def fetch(self, name: str, record: int, first: int, width: int) -> str:
         """Copy numbers first .. first + width of the records of all nodes around a block into the arena."""
         lines, pad = self._visit()
-        lines += [f"{pad}store(arena, e, load(G, node * {record} + {first}, {width}))", f"{pad}e += {width}"]
+        lines += [f"{pad}store(arena, e + {k}, load(G, node * {record} + {first + k}, {n}))" for k, n in whole(width)] + [
+            f"{pad}e += {width}"
+        ]
         return _function(name, "arena, G, home, block", "Copy a window of the records around a block into the arena.", ["e = 0", *lines])
 
     def flush(self, name: str, record: int, first: int, width: int) -> str:
         """Add the arena to the same numbers of the nodes around a block."""
         lines, pad = self._visit()
-        lines += [
-            f"{pad}at = node * {record} + {first}",
-            f"{pad}store(G, at, load(G, at, {width}) + load(arena, e, {width}))",
-            f"{pad}e += {width}",
-        ]
+        lines.append(f"{pad}at = node * {record} + {first}")
+        lines += [f"{pad}store(G, at + {k}, load(G, at + {k}, {n}) + load(arena, e + {k}, {n}))" for k, n in whole(width)]
+        lines.append(f"{pad}e += {width}")
         return _function(name, "arena, G, home, block", "Add the arena to a window of the records around a block.", ["e = 0", *lines])
 
     def node_of(self) -> str:

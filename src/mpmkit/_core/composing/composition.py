@@ -30,6 +30,13 @@ class Group:
     layout: ParticleLayout
     bodies: list[int] = attrs.field(factory=list)
 
+    @property
+    def keeps_stress(self) -> bool:
+        """Whether the stress depends on more than the deformation and has to be kept; else it is computed where it is asked for."""
+        law = self.hooks["stress"]
+        given = {name for name in law.arguments if not isinstance(getattr(self.material, name, None), (bool, int, float, tuple))}
+        return bool(self.state) or not given <= {"F", "J", "V", "V0", "m", "rho", "h", "dim"}
+
 
 @attrs.define(eq=False)
 class Composition:

@@ -36,13 +36,17 @@ def components(field: Field, space: str, dim: int) -> tuple[int, ...]:
 
 @attrs.define
 class ParticleLayout:
-    """Where each stored component of each field lies in a particle's record, and why the field exists."""
+    """Where each stored component of each field lies in a particle's record, and why the field exists.
+
+    `derived` are fields without a place in the record: loops compute them from others where they are asked for.
+    """
 
     space: str
     dim: int
     fields: dict[str, Field] = attrs.field(factory=dict)
     start: dict[str, int] = attrs.field(factory=dict)
     reasons: dict[str, list[str]] = attrs.field(factory=dict)
+    derived: dict[str, Field] = attrs.field(factory=dict)
     size: int = 0
 
     def add(self, field: Field, reason: str) -> None:
@@ -55,7 +59,8 @@ class ParticleLayout:
             self.reasons[field.name].append(reason)
 
     def stored(self, name: str) -> tuple[int, ...]:
-        return components(self.fields[name], self.space, self.dim)
+        """Its components that there are in this space, as indices into its full form."""
+        return components(self.fields.get(name) or self.derived[name], self.space, self.dim)
 
 
 @attrs.define
@@ -67,6 +72,7 @@ class NodeLayout:
     """
 
     dim: int
+    itemsize: int = 8
     start: dict[str, int] = attrs.field(factory=dict)
     reasons: dict[str, str] = attrs.field(factory=dict)
     scalars: set[str] = attrs.field(factory=set)
@@ -93,15 +99,20 @@ class NodeLayout:
     @property
     def size(self) -> int:
         """Numbers in a record: enough for every window."""
-        return _power_of_two(self._used) if self._used > 16 or self.dim == 1 else -(-self._used // 8) * 8
+        return -(-max(self._used, self._rounded(self._used)) // 8) * 8 if self.dim > 1 else _power_of_two(self._used)
 
     def window(self, channels: Iterable[str]) -> tuple[int, int]:
-        """First number and length, a power of two, of the part of a record that holds these channels."""
+        """First number and length of the part of a record that holds these channels."""
         spans = [(self.start[n], self.start[n] + self.width(n)) for n in channels]
         low, high = min(s for s, _ in spans), max(e for _, e in spans)
-        width = _power_of_two(high - low)
+        width = self._rounded(high - low)
         aligned = low // width * width
-        return (aligned if high <= aligned + width else max(0, min(low, self.size - width))), width
+        return (aligned if high <= aligned + width <= self.size else max(0, min(low, self.size - width))), width
+
+    def _rounded(self, n: int) -> int:
+        """Up to a cache line a power of two, for one vector; then whole vectors of 32 bytes."""
+        some = 32 // self.itemsize
+        return _power_of_two(n) if n * self.itemsize <= 64 or self.dim == 1 else -(-n // some) * some
 
 
 def _power_of_two(n: int) -> int:

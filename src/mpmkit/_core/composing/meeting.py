@@ -8,8 +8,8 @@ from mpmkit._core.composing.sweep import Sweep
 from mpmkit._core.composing.writer import each_particle
 
 CONTACT = '''@compiled
-def find_shared(A, B, both, found, slot_a, slot_b, touched_a, touched_b, par):
-    """Nodes that both bodies reach, among the blocks of nodes that both have: their numbers in either field, their place in `slot`."""
+def find_shared(A, B, both, found, par):
+    """Nodes that both bodies reach, among the blocks of nodes that both have: their numbers in either field."""
     m_small = par[{m_small}]
     count = 0
     for pair in range(both.shape[0]):
@@ -20,8 +20,6 @@ def find_shared(A, B, both, found, slot_a, slot_b, touched_a, touched_b, par):
                 if count == found.shape[0]:
                     return -1
                 found[count, 0], found[count, 1] = i, j
-                slot_a[i], slot_b[j] = count, count
-                touched_a[a], touched_b[b] = 1, 1
                 count += 1
     return count
 
@@ -60,8 +58,16 @@ def choose_normals(count, normals, reach_a, reach_b, margin):
 
 
 @compiled
+def mark_shared(found, count, slot_a, slot_b, touched_a, touched_b):
+    """Set the marks of nodes that were found before."""
+    for s in range(count):
+        slot_a[found[s, 0]], slot_b[found[s, 1]] = s, s
+        touched_a[found[s, 0] // {N}], touched_b[found[s, 1] // {N}] = 1, 1
+
+
+@compiled
 def clear_shared(found, count, slot_a, slot_b, touched_a, touched_b):
-    """Take back the marks that `find_shared` has set."""
+    """Take back all marks."""
     for s in range(count):
         slot_a[found[s, 0]], slot_b[found[s, 1]] = -1, -1
         touched_a[found[s, 0] // {N}], touched_b[found[s, 1] // {N}] = 0, 0
@@ -69,9 +75,8 @@ def clear_shared(found, count, slot_a, slot_b, touched_a, touched_b):
 
 @compiled
 def near_shared(home, count, around, touched, near):
-    """Which blocks of particles reach a block of nodes that has shared ones."""
+    """Mark the blocks of particles that reach a block of nodes with shared ones."""
     for block in range(count):
-        near[block] = 0
         for q in range(around):
             if touched[home[around * block + q]]:
                 near[block] = 1

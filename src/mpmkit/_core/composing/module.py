@@ -17,7 +17,7 @@ from mpmkit._core.composing.schedule import Phase, Schedule
 from mpmkit._core.composing.sorting import sort_functions
 from mpmkit._core.composing.source import Names, Parameters, ParticleLoop
 from mpmkit._core.composing.sweep import Sweep
-from mpmkit._core.composing.writer import ACCOUNTS, Written, alone, cycle, each_particle, in_parts, written
+from mpmkit._core.composing.writer import ACCOUNTS, Written, alone, cycle, each_particle, in_parts, on_demand, written
 
 LEDGER = (
     "mass",
@@ -104,7 +104,12 @@ class Module:
             doc = fill(loop)
             whole = in_parts(loop, self.operator, f"{name}_{group.name}", doc, accounts)
             self.take(loop, whole.name, alone(whole, self.operator))
+        for field in group.layout.derived:
+            loop = self.loop(group)
+            self.take(loop, f"{field}_{group.name}", on_demand(loop, f"{field}_{group.name}", field))
         if self.c.contact is not None:
+            loop, name = self.loop(group), f"outward_{group.name}"
+            self.take(loop, name, alone(written(loop, self.operator, name, ["outward"], self.channel), self.operator, only="marked"))
             loop = self.loop(group)
             self.take(loop, f"reach_{group.name}", meeting.reach_function(loop, self.operator, f"reach_{group.name}"))
         if getattr(self.c.integrator, "mass", "lumped") == "consistent":

@@ -7,6 +7,7 @@ lanes); everything between is the same computation for both.
 
 from __future__ import annotations
 
+from itertools import groupby
 from math import ceil
 
 from mpmkit._core.composing import rows, weights
@@ -61,11 +62,14 @@ class GridOperator:
     def gather(self, loop: ParticleLoop, layout: NodeLayout, slot: int) -> tuple[list[str], list[str], dict[str, str], int]:
         """Lines before the tiles, lines of a tile, text of each sum by name, and slots taken."""
         channels = list(dict.fromkeys(channel for channel, _ in loop.sums))
-        kinds = [f for f in ("k", "g") if any(f == factor for _, factor in loop.sums)]
         fetch, first, width = self._window("fetch", layout, channels)
-        name = f"gather_{width}{''.join(kinds)}"
-        self.helper(name, rows.gather_function(name, self.slots, self.arena.side, width, kinds, self.itemsize))
-        order = rows.results(self.dim, kinds)
+        asked = [""] * width
+        for channel, factor in loop.sums:
+            for c in range(layout.start[channel] - first, layout.start[channel] - first + layout.width(channel)):
+                asked[c] += factor
+        name = f"gather_{_pattern(asked)}"
+        self.helper(name, rows.gather_function(name, self.slots, self.arena.side, width, asked, self.itemsize))
+        order = rows.results(self.dim, rows.kinds_of(asked))
         S = rows.stride(len(order), width)
         where, wanted = {}, set()
         for channel, factor in loop.sums:
@@ -103,7 +107,7 @@ class GridOperator:
                     stores.setdefault((0, c), []).append(f"-({text}) * {h} * {loop.place(b)}")
                 else:
                     stores.setdefault((1 + b, c), []).append(f"({text}) * {loop.along('inv_h', b)}")
-        name = f"scatter_{width}{''.join(k or '_' for k in kinds) if any(kinds) else ''}"
+        name = f"scatter_{_pattern(kinds)}"
         self.helper(name, rows.scatter_function(name, self.slots, self.arena.side, width, kinds, self.itemsize))
         S = rows.stride(self.dim + 1 if any(kinds) else 1, width)
         compute = [
@@ -142,6 +146,11 @@ class GridOperator:
             lines.append(f"{pad}g{b} = {' * '.join(factors)} * inv_h{b}")
             lines.append(f"{pad}r{b} = (T(j{b}) - {lane(self.slots.f(b))}) * h{b}")
         return lines, pad
+
+
+def _pattern(asked: list[str]) -> str:
+    """A short name for what the channels of a window ask for: runs of equal ones, with their lengths."""
+    return "_".join(f"{len(list(run))}{one}" for one, run in groupby(asked))
 
 
 class StoredOperator:

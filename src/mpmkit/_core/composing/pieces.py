@@ -35,10 +35,6 @@ def p2g(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         loop.store("size_now")
     loop.add("m", 0, "w", "m")
     _momentum(loop, "v" if loop.composition.merges else "v_old")
-    if loop.composition.contact is not None:
-        loop.field("V")
-        for a in range(loop.dim):
-            loop.add("outward", a, "g", *["V" if a == b else "zero" for b in range(loop.dim)])
 
 
 def forces(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
@@ -83,6 +79,15 @@ def forces(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
             for a in range(dim):
                 loop.add("v", a, "w", f"m * {role}_b[{a}]")
                 loop.add("f_ext", a, "w", f"m * {role}_b[{a}]")
+
+
+def outward(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
+    """The gradient of the body's volume, for normals of contact."""
+    if part == "compute":
+        loop.titles.append("outward normals of the body, sum_p V_p grad N_i, near another body")
+        loop.field("V")
+        for a in range(loop.dim):
+            loop.add("outward", a, "g", *["V" if a == b else "zero" for b in range(loop.dim)])
 
 
 def filter_(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
@@ -246,7 +251,7 @@ def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         loop.line(f"J = J * {ratio}(L, dt)")
         loop.store("J")
         loop.have.add("J")
-    loop.forget("V", "rho", *(["J"] if "F" in loop.group.layout.fields else []))
+    loop.forget("V", "rho", *loop.group.layout.derived, *(["J"] if "F" in loop.group.layout.fields else []))
     loop.have.add("L")
     loop.watch("inverted", str(loop.field("J")))
     if c.shape is not None and c.shape.particle_size == "current":
@@ -257,16 +262,14 @@ def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
 def stress(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     if part == "before":
         return
-    group, c = loop.group, loop.composition
-    loop.titles.append(f"stress by {type(group.material).__name__}, its wave speed for the next time step")
-    call = loop.material("stress")
-    if group.state:
-        loop.line(f"stress, {', '.join(loop.local(f.name) for f in group.state)} = {call}")
-        for field in group.state:
-            loop.store(field.name)
+    group, c, law = loop.group, loop.composition, type(loop.group.material).__name__
+    if group.keeps_stress:
+        loop.titles.append(f"stress by {law}, its wave speed for the next time step")
+        loop.line(f"{', '.join(['stress', *(loop.local(f.name) for f in group.state)])} = {loop.material('stress')}")
+        for name in ("stress", *(f.name for f in group.state)):
+            loop.store(name)
     else:
-        loop.line(f"stress = {call}")
-    loop.store("stress")
+        loop.titles.append(f"wave speed of {law} for the next time step")
     loop.line(f"c = {loop.material('wave_speed')}")
     loop.have.add("c")
     speed = "c"
@@ -299,6 +302,7 @@ def _tensor(name: str) -> Callable[..., object]:
 PIECES: dict[str, Piece] = {
     "p2g": p2g,
     "forces": forces,
+    "outward": outward,
     "filter": filter_,
     "g2p": g2p,
     "remap": remap,

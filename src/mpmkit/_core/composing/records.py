@@ -42,7 +42,10 @@ def particle_fields(c: Composition) -> None:
             volume = attrs.evolve(volume, initial=1.0)
         for who in dict.fromkeys(asked.get("F", [f"{integrator} (volume)"])):
             layout.add(volume, who)
-        layout.add(PARTICLE_FIELDS["stress"], material)
+        if group.keeps_stress:
+            layout.add(PARTICLE_FIELDS["stress"], material)
+        else:
+            layout.derived["stress"] = PARTICLE_FIELDS["stress"]
         for field in group.state:
             layout.add(field, material)
         if "X" in asked:
@@ -60,9 +63,11 @@ def particle_fields(c: Composition) -> None:
 
 
 def node_channels(c: Composition, plan: Schedule) -> NodeLayout:
-    """The channels of the nodes' record: what the phases of a step and the components read and write, and no more."""
-    """Channels of a node's record; those that one loop needs lie beside each other, for a loop moves a whole window of them."""
-    layout = NodeLayout(c.dim)
+    """The channels of the nodes' record: what phases and components read and write, and no more.
+
+    Those that one loop needs lie beside each other, for a loop moves a whole window of them.
+    """
+    layout = NodeLayout(c.dim, 4 if c.sim.precision == "float32" else 8)
     integrator = type(c.integrator or c.discretization).__name__
     if any(p.channel == "v_map" for p in plan.phases):
         layout.add(["v_map"], f"{integrator}: velocities for the strain")

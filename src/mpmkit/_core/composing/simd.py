@@ -15,7 +15,6 @@ no meaning), `n`, `c`, `first`, `mask` literal integers. Numbers of lanes are po
 ``spread(s, c, n)``                          n lanes from the tuple s of scalars: lane i = s[i // c], zero where s has no such element
 ``mixed(a, b, mask)``                        lane i = b[i] where bit i of mask is set, else a[i]
 ``summed(v, c)``                             c lanes, lane i = v[i] + v[i + c] + v[i + 2 c] + ...
-``part(v, first, n)``                        the lanes first .. first + n - 1
 ``transpose(src, k, step, dst, d, stride)``  dst[d + stride j + i] = src[k + step i + j] for i, j in 0..7
 ``wide()``                                   a hint for the loops of the function it stands in: the widest vectors of the machine
 ``tiny_to_zero()``                           on x86, numbers below the normal range count as zero from here on; returns what was before
@@ -42,7 +41,6 @@ NAMES = (
     "spread",
     "mixed",
     "summed",
-    "part",
     "transpose",
     "prefetch",
     "wide",

@@ -105,16 +105,6 @@ def tiled(typing_context, v, n):  # type: ignore[no-untyped-def]
 
 
 @intrinsic(prefer_literal=True)
-def part(typing_context, v, first, n):  # type: ignore[no-untyped-def]
-    """n lanes from the lane `first`."""
-    _expect(v, Vector, "part takes lanes of a vector")
-    begin, lanes = _literal(first, "the first lane"), _literal(n, "the number of lanes")
-    if not 0 <= begin <= v.n - lanes:
-        raise TypingError(f"lanes {begin} to {begin + lanes} of {v}")
-    return _rearranged(Vector(v.dtype, lanes), (v, first, n), range(begin, begin + lanes))
-
-
-@intrinsic(prefer_literal=True)
 def mixed(typing_context, a, b, mask):  # type: ignore[no-untyped-def]
     """Lanes of b where a bit of the mask is set, else of a."""
     _expect(a, Vector, "mixed takes lanes of two vectors")

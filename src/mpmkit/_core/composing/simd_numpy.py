@@ -104,11 +104,6 @@ def summed(v: Vector, c: int) -> Vector:
     return Vector(lanes)
 
 
-def part(v: Vector, first: int, n: int) -> Vector:
-    """n lanes from the lane `first`."""
-    return Vector(v.lanes[_range(v.lanes, first, n)])
-
-
 def transpose(src: Flat, s: int, step: int, dst: Flat, d: int, stride: int) -> None:
     """dst[d + stride j + i] = src[s + step i + j] for i, j in 0..7."""
     row, column = np.arange(8)[:, None], np.arange(8)

@@ -244,6 +244,9 @@ class ParticleLoop(Text):
                 self.line(f"V = {self.field('J')} * {self.field('V0')}")
             elif name == "rho":
                 self.line(f"rho = {self.field('m')} / {self.field('V')}")
+            elif name in layout.derived:
+                call = self.material(name)
+                self.line(f"{name} = {call}")
             else:
                 return None
             self.have.add(name)

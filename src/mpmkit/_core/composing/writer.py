@@ -92,10 +92,12 @@ def in_parts(loop: ParticleLoop, operator: Any, name: str, doc: str, columns: tu
     return Written(name, doc, loop.verbs, "\n".join(text), dict(loop.accounts), columns, before, weights, ahead, gather, scatter, after)
 
 
-def alone(w: Written, operator: Any) -> str:
-    """The computation on a tile, and the loop over blocks that calls it."""
+def alone(w: Written, operator: Any, only: str = "") -> str:
+    """The computation on a tile, and the loop over blocks that calls it; with `only`, the name of an array, over those marked there."""
     told = ", ".join(w.verbs) or w.doc[:1].lower() + w.doc[1:]
-    loop = _over_blocks(w.name, told, operator.arguments, operator, w, w.before, [*w.weights, *w.tile()], w.after)
+    arguments = f"{operator.arguments}, {only}" if only else operator.arguments
+    before = [f"if not {only}[U(block)]:", "    continue", *w.before] if only else w.before
+    loop = _over_blocks(w.name, told, arguments, operator, w, before, [*w.weights, *w.tile()], w.after)
     return w.computation + "\n\n\n" + loop
 
 
@@ -163,4 +165,15 @@ def each_particle(
         "            for l in range(l0, l1):",
         *(f"                {line}" for line in (*loop.lines, *lines)),
     ]
+    return "\n".join(text) + "\n"
+
+
+def on_demand(loop: ParticleLoop, name: str, field: str) -> str:
+    """Text of a loop that computes a field no step keeps, into tiles of its own like those of P: for output."""
+    value, stored = loop.field(field), loop.group.layout.stored(field)
+    text = ["@compiled", f"def {name}(first, last, count, P, par, D):", f'    """The {field} of the particles in tiles first to last."""']
+    text += ["    wide()", *loop.parameter_lines(), "    for tile in range(first, last):"]
+    text += [f"        b = tile * {loop.group.layout.size * LANES}", "        for l in range(min(16, count - 16 * tile)):"]
+    text += [f"            {line}" for line in loop.lines]
+    text += [f"            D[U(tile * {LANES * len(stored)} + {LANES * k} + l)] = {value}[{full}]" for k, full in enumerate(stored)]
     return "\n".join(text) + "\n"

@@ -15,9 +15,12 @@ if TYPE_CHECKING:
 Step = Callable[[Any, Any], None]
 
 
-def over_particles(e: Engine, k: int, name: str, acc: Any) -> Step:
-    """A loop over the blocks of body k, on all threads; blocks that add to the same nodes are never at work together."""
-    return _over_blocks(e, k, f"{name}_{e.stores[k].group.name}", e.particle_arguments(k, acc))
+def over_particles(e: Engine, k: int, name: str, acc: Any, *only: Any) -> Step:
+    """A loop over the blocks of body k, on all threads; blocks that add to the same nodes are never at work together.
+
+    `only` marks the blocks that are visited, for a loop that asks for it.
+    """
+    return _over_blocks(e, k, f"{name}_{e.stores[k].group.name}", (*e.particle_arguments(k, acc), *only))
 
 
 def joined(e: Engine, k: int) -> Step:
@@ -51,18 +54,18 @@ def over_nodes(e: Engine, k: int, phase: Phase) -> Step:
     field, function = e.fields[k], getattr(e.module, phase.name)
     more = (e.dtype(phase.number),) if phase.name.startswith("filter") else ()
     arguments = (field.G, field.n_nodes, where(e, field), *more, e.node_par, e.node_work[k])
-    parts = _parts(field.active, e.team.size)
+    ranges = parts(field.active, e.team.size)
 
     def run(t: Any, dt: Any) -> None:
-        e.team.run(lambda thread, part: function(*part, *arguments, t, dt), parts)
+        e.team.run(lambda thread, part: function(*part, *arguments, t, dt), ranges)
 
     return run
 
 
 def clear(e: Engine, field: Any, G: Any) -> Callable[[], None]:
     """All channels of all stored nodes to zero."""
-    function, size, parts = e.module.clear_nodes, field.lattice.nodes_per_block * e.channels, _parts(field.active, e.team.size)
-    return lambda: e.team.run(lambda thread, part: function(*part, G, size), parts)
+    function, size, ranges = e.module.clear_nodes, field.lattice.nodes_per_block * e.channels, parts(field.active, e.team.size)
+    return lambda: e.team.run(lambda thread, part: function(*part, G, size), ranges)
 
 
 def where(e: Engine, field: Any) -> Any:
@@ -73,7 +76,8 @@ def where(e: Engine, field: Any) -> Any:
     return field.blocks[:, : lattice.dim] * lattice.B - lattice.ghosts
 
 
-def _parts(count: int, threads: int) -> list[tuple[int, int]]:
+def parts(count: int, threads: int) -> list[tuple[int, int]]:
+    """Ranges of `count` blocks or tiles for the threads to take."""
     if threads == 1:
         return [(0, count)]
     step = max(8, -(-count // (4 * threads)))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmkit._core.running.bindings import where
+from mpmkit._core.running.bindings import Step, over_particles, where
 from mpmkit.errors import StabilityError
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class ContactPairs:
         e = self.engine
         self.slot = [np.full(f.n_nodes, -1, dtype=np.int64) for f in e.fields]
         self.touched = [np.zeros(f.active, dtype=np.uint8) for f in e.fields]
-        self.near = [np.zeros(b.count, dtype=np.uint8) for b in e.places.blocks]
+        self.near, self.near_any = ([np.zeros(b.count, dtype=np.uint8) for b in e.places.blocks] for _ in range(2))
         for pair in self.pairs:
             pair.both = np.stack(e.fields[pair.a].shared_blocks(e.fields[pair.b]), axis=1)
             pair.count = 0
@@ -56,11 +56,14 @@ class ContactPairs:
         """The contact phase on one channel; with `find` it first looks for the shared nodes of this step."""
         e = self.engine
         function = getattr(e.module, f"contact_{channel}")
+        outward = [
+            over_particles(e, k, "outward", e.places.acc[k], self.near_any[k]) for k in range(len(e.stores) if find else 0)
+        ]  # gradients of the volume, near other bodies
 
         def apply(t: Any, dt: Any) -> None:
+            if find:
+                self._find(outward, t, dt)
             for pair in self.pairs:
-                if find:
-                    self._find(pair, t, dt)
                 if pair.count:
                     A, B = e.fields[pair.a], e.fields[pair.b]
                     shared = (pair.found, pair.count, pair.normals, pair.reach_a, pair.reach_b, pair.press)
@@ -68,26 +71,50 @@ class ContactPairs:
 
         return apply
 
-    def _find(self, pair: Pair, t: Any, dt: Any) -> None:
-        e, m, a, b = self.engine, self.engine.module, pair.a, pair.b
-        fa, fb = e.fields[a].G, e.fields[b].G
-        if not len(pair.both):
-            return
-        marks = (self.slot[a], self.slot[b], self.touched[a], self.touched[b])
-        while (count := m.find_shared(fa, fb, pair.both, pair.found, *marks, e.node_par)) < 0:  # the list was too short
-            m.clear_shared(pair.found, len(pair.found), *marks)
-            pair.resize(4 * len(pair.found), e.dtype)
-        pair.count = count
-        if not count:
-            return
-        m.contact_normals(fa, fb, pair.found, count, pair.normals, pair.reach_a, pair.reach_b)
+    def _find(self, outward: list[Step], t: Any, dt: Any) -> None:
+        """Shared nodes of all pairs; then, near them only, the gradients of the bodies' volumes, normals and gaps."""
+        e, m = self.engine, self.engine.module
+        for near in self.near_any:
+            near[:] = 0
+        touching = set()
+        for pair in self.pairs:
+            if not len(pair.both):
+                continue
+            fields = e.fields[pair.a].G, e.fields[pair.b].G
+            while (count := m.find_shared(*fields, pair.both, pair.found, e.node_par)) < 0:  # the list was too short
+                pair.resize(4 * len(pair.found), e.dtype)
+            pair.count = count
+            if count:
+                touching |= {pair.a, pair.b}
+                m.mark_shared(pair.found, count, *self._marks(pair))
+                for body in (pair.a, pair.b):
+                    self._mark_near(body, self.near_any[body])
+                m.clear_shared(pair.found, count, *self._marks(pair))
+        for body in sorted(touching):
+            outward[body](t, dt)
+        for pair in self.pairs:
+            if pair.count:
+                self._normals(pair, t, dt)
+
+    def _marks(self, pair: Pair) -> tuple[Any, ...]:
+        return (self.slot[pair.a], self.slot[pair.b], self.touched[pair.a], self.touched[pair.b])
+
+    def _mark_near(self, body: int, near: Any) -> None:
+        blocks = self.engine.places.blocks[body]
+        self.engine.module.near_shared(blocks.home, blocks.count, 3**self.engine.c.dim, self.touched[body], near)
+
+    def _normals(self, pair: Pair, t: Any, dt: Any) -> None:
+        e, m, a, b, count = self.engine, self.engine.module, pair.a, pair.b, pair.count
+        m.contact_normals(e.fields[a].G, e.fields[b].G, pair.found, count, pair.normals, pair.reach_a, pair.reach_b)
+        m.mark_shared(pair.found, count, *self._marks(pair))
         for body, reach, side in ((a, pair.reach_a, 1.0), (b, pair.reach_b, -1.0)):
             blocks, near = e.places.blocks[body], self.near[body]
-            m.near_shared(blocks.home, blocks.count, 3**e.c.dim, self.touched[body], near)
+            near[:] = 0
+            self._mark_near(body, near)
             function = getattr(m, f"reach_{e.stores[body].group.name}")
             lists = (near, self.slot[body], pair.normals, reach, e.dtype(side), self.place)
             function(0, blocks.count, *e.particle_arguments(body, e.places.acc[body]), *lists, e.scratch[0][0], e.scratch[0][2], t, dt)
         m.choose_normals(count, pair.normals, pair.reach_a, pair.reach_b, e.dtype(1e-3 * e.c.grid.h))
-        m.clear_shared(pair.found, count, *marks)
+        m.clear_shared(pair.found, count, *self._marks(pair))
         if not np.isfinite(pair.normals[:count]).all():
             raise StabilityError(f"contact between bodies {a} and {b}: a normal is not a number at step {e.step_number}")

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import attrs
 import numpy as np
 
+from mpmkit._core.composing.layout import LANES
 from mpmkit._core.composing.module import LEDGER
 from mpmkit._core.composing.plan import Plan
 from mpmkit._core.composing.schedule import Phase, Schedule
@@ -96,10 +98,20 @@ class Engine:
         self.turns: list[Turn] = []
         self.start_operations: list[Operation] = []
         self._largest, self._sums = np.zeros(16), np.zeros(16)
+        for k, store in enumerate(stores):
+            store.derive = partial(self._derive, k)
         self._place()
         if not c.stored_operator and not c.loaded:
             for s in stores:
                 s.release()
+
+    def _derive(self, k: int, field: str, first: int, last: int) -> Any:
+        """A field of body k that steps do not keep, in tiles of 16 particles."""
+        s, tile = self.stores[k], LANES
+        rows: Any = slice(first * tile * s.layout.size, last * tile * s.layout.size)
+        out = np.empty((last - first) * tile * len(s.layout.stored(field)), self.dtype)
+        getattr(self.module, f"{field}_{s.group.name}")(0, last - first, s.n - first * tile, s.P[rows], self.body_par[k], out)
+        return out
 
     def use(self, threads: int | None) -> None:
         """Go on with this many threads (see `workers.chosen`); the results do not depend on it."""

@@ -42,8 +42,6 @@ class Lattice:
 
     Attributes
     ----------
-    A : int
-        Nodes along an edge of a block's arena, which reaches from one node before the block to B + n - 1.
     lower, inv_h : array of dtype[dim]
         Corner and inverse spacing of the grid, as the particle loops use them.
     cells, shape : int64[dim]
@@ -64,7 +62,7 @@ class Lattice:
     def __init__(self, grid: Grid, B: int, n: int, offset: float, dtype: type) -> None:
         if n + 1 > B:
             raise ValueError(f"a block needs at least {n + 1} nodes along an edge for a shape function of {n}, got {B}")
-        self.grid, self.dim, self.B, self.n, self.A = grid, grid.dim, B, n, B + n + 1
+        self.grid, self.dim, self.B, self.n = grid, grid.dim, B, n
         self.offset, self.ghosts, self.dtype = offset, ceil(offset), dtype
         self.nodes_per_block = B**self.dim
         shape = [(cells - 1 + self.ghosts) // B + 3 for cells in grid.cells]

@@ -10,6 +10,7 @@ import numpy as np
 
 from mpmkit._core.composing.layout import components
 from mpmkit._core.running.snapshot import IN_MEMORY
+from mpmkit._core.running.unpacking import LARGE_FRAME
 from mpmkit.errors import CompositionError
 from mpmkit.fields import PARTICLE_FIELDS
 
@@ -65,16 +66,22 @@ def needed_bytes(plan: Plan) -> tuple[dict[str, int], int]:
         particles += n
         state += n * itemsize * c.group_of(k).layout.size
         cells += n / (body.particles_per_cell or 2**dim)
-    shown = max((sum(_shown(f, c) for f in r.fields) for r in sim.records), default=0)
     needed = {
         "the fields of the particles": state,
         "their positions at the start": particles * 8 * dim,
         "sorting them": particles * SORTING,
         "the nodes": int(PARTLY_FILLED * cells) * itemsize * plan.node_layout.size,
-        "a frame to be written": particles * 4 * shown,
+        "a frame to be written": max((_frame(r.fields, c, particles) for r in sim.records), default=0),
         "a copy of the state": state if state <= IN_MEMORY else 0,
     }
     return needed, particles
+
+
+def _frame(fields: tuple[str, ...], c: Any, particles: int) -> int:
+    """Bytes of a frame as it is kept until it is written: all of it, or of a large one the positions and one field at a time."""
+    widths = [3, *(_shown(name, c) for name in fields if name != "x")]
+    whole = 4 * particles * sum(widths)
+    return whole if whole < LARGE_FRAME else 4 * particles * (3 + max(widths[1:], default=0))
 
 
 def _shown(name: str, c: Any) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,8 +14,8 @@ import numpy as np
 from mpmkit._core.running import checkpoint, paths
 from mpmkit._core.running.history import HistoryFile
 from mpmkit._core.running.ledger import COLUMNS
-from mpmkit._core.running.store import components_of
-from mpmkit._core.running.unpacking import unpack
+from mpmkit._core.running.store import BodyStore, components_of
+from mpmkit._core.running.unpacking import LARGE_FRAME, unpack
 from mpmkit._core.running.vtkhdf import ParticleFile
 from mpmkit.errors import FieldContractError, ResultsError, did_you_mean
 from mpmkit.record import Record
@@ -122,9 +123,15 @@ class Recorder:
         engine, writer = self.run.engine, self.run.writer
         with writer.holding_up():
             writer.wait((self, "frame"))  # first, so that there are never two frames in memory
-            data = {name: unpack(self.run._stores, name, self.file.dtype) for name in ("x", *self.names)}
+            fields = _Fields(self.run._stores, self.names, self.file.dtype)
             numbers = {s: row[s] for s in SCALARS}
-            writer.submit((self, "frame"), partial(self.file.append, engine.t, engine.step_number, data.pop("x"), data, numbers))
+            # copies are written while the run goes on; of large frames one field after the other is written now, without a copy of all
+            data = dict(fields) if fields.nbytes < LARGE_FRAME else fields
+            append = partial(self.file.append, engine.t, engine.step_number, fields["x"], data, numbers)
+            if data is fields:
+                append()
+            else:
+                writer.submit((self, "frame"), append)
             self.times.append(engine.t)
 
     def forget_lost(self) -> None:
@@ -177,6 +184,29 @@ class Recorder:
         """What this record leaves on disk."""
         found = [Path(self.record.path), paths.history_path(self.record.path), self.path]
         return [p for p in found if p.exists()]
+
+
+class _Fields(Mapping[str, Any]):
+    """Fields of all bodies, each unpacked when it is looked up."""
+
+    def __init__(self, stores: list[BodyStore], names: tuple[str, ...], dtype: Any) -> None:
+        self.stores, self.names, self.dtype = stores, names, dtype
+
+    def __getitem__(self, name: str) -> Any:
+        if name != "x" and name not in self.names:
+            raise KeyError(name)
+        return unpack(self.stores, name, self.dtype)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def nbytes(self) -> int:
+        """Of all together, with the positions."""
+        return sum(s.n for s in self.stores) * self.dtype.itemsize * (3 + sum(components_of(n, self.stores[0]) for n in self.names))
 
 
 def _three(x: Any) -> Any:

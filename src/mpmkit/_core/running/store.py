@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import attrs
@@ -45,6 +46,8 @@ class BodyStore:
         The packed buffer, tiles of 16 particles (see `mpmkit._core.composing.layout`).
     operator : tuple of array
         Node numbers, weights and gradients of each point, where these are stored; else empty.
+    derive : callable
+        Computes one of the layout's derived fields in a range of tiles of 16 particles; given by the engine.
     ids : int32[n] or int64[n]
         Which particle, in the order of the body's points, lies at each place of the buffer; the buffer is sorted by place in space.
     """
@@ -57,6 +60,7 @@ class BodyStore:
         self.ids: Any = np.arange(self.n, dtype=np.int32 if self.n < 2**31 else np.int64)
         self.points = points
         self.operator: tuple[Any, ...] = ()
+        self.derive: Callable[[str, int, int], Any] = _not_running
         dim = self.layout.dim
         initial: dict[str, Any] = {"x": points.x, "X": points.x, "v": points.v, "V0": points.V0, "m": rho * points.V0}
         initial |= {"size": points.size, "size_now": points.size}
@@ -82,6 +86,18 @@ class BodyStore:
     def _tiled(self) -> Any:
         return self.P.reshape(self.tiles, self.layout.size, LANES)
 
+    def columns(self, name: str, first: int = 0, last: int | None = None) -> Any:
+        """The components of a field in tiles first to last as they lie in memory, (tiles, components, 16), or computed in that form."""
+        last = self.tiles if last is None else min(last, self.tiles)
+        if name in self.layout.derived:
+            return self.derive(name, first, last).reshape(last - first, -1, LANES)
+        start = self.layout.start[name]
+        return self._tiled()[first:last, start : start + len(self.layout.stored(name)), :]
+
+    def has(self, name: str) -> bool:
+        """Whether `columns` answers to it."""
+        return name in self.layout.fields or name in self.layout.derived
+
     def set(self, name: str, value: Any) -> None:
         """Write a field from its full form: (n,), (n, dim), (n, 6) or (n, 9), in the order of the body's points."""
         value = np.asarray(value).reshape(self.n, -1)
@@ -96,7 +112,7 @@ class BodyStore:
 
         Scalars are (n,), vectors (n, dim), symmetric tensors (n, 6), tensors (n, 9).
         """
-        if name not in self.layout.fields:
+        if not self.has(name):
             if name == "J":
                 return np.linalg.det(self.get("F").reshape(-1, 3, 3))
             if name == "V":
@@ -104,9 +120,9 @@ class BodyStore:
             if name == "rho":
                 return self.get("m") / self.get("V")
             raise KeyError(name)
-        field = self.layout.fields[name]
-        start, stored = self.layout.start[name], self.layout.stored(name)
-        columns = self._tiled()[:, start : start + len(stored), :].transpose(0, 2, 1).reshape(-1, len(stored))[: self.n]
+        field = self.layout.fields.get(name) or self.layout.derived[name]
+        stored = self.layout.stored(name)
+        columns = self.columns(name).transpose(0, 2, 1).reshape(-1, len(stored))[: self.n]
         if field.shape == "scalar":
             one = np.empty(self.n, dtype=self.P.dtype)
             one[self.ids] = columns[:, 0]
@@ -121,7 +137,11 @@ class BodyStore:
 
     def available(self) -> list[str]:
         """Names `get` answers to."""
-        return [*self.layout.fields, *(n for n in ("J", "V", "rho") if n not in self.layout.fields)]
+        return [*self.layout.fields, *self.layout.derived, *(n for n in ("J", "V", "rho") if n not in self.layout.fields)]
+
+
+def _not_running(name: str, first: int, last: int) -> Any:
+    raise RuntimeError(f"{name} is computed by the generated module, which has not been loaded yet")
 
 
 def components_of(name: str, store: BodyStore) -> int:

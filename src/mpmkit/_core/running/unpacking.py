@@ -10,6 +10,8 @@ import numpy as np
 from mpmkit._core.composing.layout import LANES
 from mpmkit._core.running.store import BodyStore, components_of
 
+LARGE_FRAME = 32 << 20
+"""Bytes of a frame from which on no copy of all of it is made."""
 _TILES = 2048
 """Tiles that are unpacked at a time: what passes through stays in the processor's cache."""
 
@@ -36,7 +38,7 @@ def unpack(stores: Sequence[BodyStore], name: str, dtype: Any) -> Any:
     first = 0
     for s in stores:
         rows = out[first : first + s.n]
-        if name in s.layout.fields:
+        if s.has(name):
             _stored(s, name, rows)
         else:
             value = s.get(name).reshape(s.n, -1)
@@ -47,7 +49,7 @@ def unpack(stores: Sequence[BodyStore], name: str, dtype: Any) -> Any:
 
 def _stored(store: BodyStore, name: str, out: Any) -> None:
     layout = store.layout
-    field, start, stored = layout.fields[name], layout.start[name], layout.stored(name)
+    field, stored = layout.fields.get(name) or layout.derived[name], layout.stored(name)
     width = out.shape[1]
     one = np.zeros(width, dtype=out.dtype)
     if field.initial and field.shape == "tensor":
@@ -55,10 +57,9 @@ def _stored(store: BodyStore, name: str, out: Any) -> None:
     # a row is moved as one thing of that many bytes: twice as fast as number by number
     row = np.dtype((np.void, width * out.itemsize))
     places = out.view(row).reshape(-1)
-    tiled = store.P.reshape(-1, layout.size, LANES)[:, start : start + len(stored), :]
-    for tile in range(0, len(tiled), _TILES):
+    for tile in range(0, store.tiles, _TILES):
         ids = store.ids[tile * LANES : (tile + _TILES) * LANES]
-        found = tiled[tile : tile + _TILES].astype(out.dtype).transpose(0, 2, 1).reshape(-1, len(stored))
+        found = store.columns(name, tile, tile + _TILES).astype(out.dtype).transpose(0, 2, 1).reshape(-1, len(stored))
         if len(stored) < width:
             rows = np.tile(one, (len(found), 1))
             rows[:, list(stored)] = found

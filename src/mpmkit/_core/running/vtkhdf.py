@@ -28,7 +28,8 @@ from __future__ import annotations
 import json
 import os
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
@@ -182,7 +183,8 @@ class ParticleFile:
             Positions [m]; n may differ from frame to frame.
         data : mapping of str to array (n,), (n, ncomp) or (n, 3, 3)
             Every field named at `create`; vectors of fewer than three columns are filled with zeros. A fixed array
-            that changed (particles were lost, or came in another order) is given here too.
+            that changed (particles were lost, or came in another order) is given here too. Each is looked up when it is written and
+            not kept, so that a mapping which makes its arrays then needs memory for one at a time.
         scalars : mapping of str to float
             Every scalar named at `create`.
 
@@ -194,8 +196,14 @@ class ParticleFile:
         if self._file is None:
             raise ResultsError(f"{self.path}: this result file is closed; open it again with ParticleFile.reopen")
         points = columns(self.path, "x", x, 3, self.dtype)
-        rows = {"Points": points} | {f"PointData/{k}": self._rows_of(k, n, data, len(points)) for k, n in self.fields.items()}
-        fixed = {k: array for k in self.static if (array := self._fixed(k, data, len(points))) is not None}
+        n = len(points)
+        if isinstance(data, dict):
+            data = {
+                **data,
+                **{k: self._rows_of(k, ncomp, data, n) for k, ncomp in self.fields.items()},
+            }  # refused before anything is written
+        rows = {f"PointData/{k}": partial(self._rows_of, k, ncomp, data, n) for k, ncomp in self.fields.items()}
+        fixed = {k: array for k in self.static if (array := self._fixed(k, data, n)) is not None}
         unknown = sorted(set(data) - {"x", *self.fields, *self.static})
         if unknown:
             raise ResultsError(
@@ -205,7 +213,7 @@ class ParticleFile:
             raise ResultsError(f"{self.path}: a frame needs the scalars {list(self.scalars)}, got {list(scalars or {})}")
         numbers = {"step": step, **{k: float((scalars or {})[k]) for k in self.scalars}}
         try:
-            self._write(float(time), rows, fixed, numbers)
+            self._write(float(time), points, rows, fixed, numbers)
         except (OSError, RuntimeError, ValueError) as error:
             file, self._file = self._file, None
             abandon(file)
@@ -214,15 +222,23 @@ class ParticleFile:
                 f"the {self.n_frames} frames before it are kept"
             ) from error
 
-    def _write(self, time: float, rows: dict[str, np.ndarray], fixed: dict[str, np.ndarray], numbers: Mapping[str, float]) -> None:
-        root, steps, n = self._root, self._steps, len(rows["Points"])
+    def _write(
+        self,
+        time: float,
+        points: np.ndarray,
+        rows: dict[str, Callable[[], np.ndarray]],
+        fixed: dict[str, np.ndarray],
+        numbers: Mapping[str, float],
+    ) -> None:
+        root, steps, n = self._root, self._steps, len(points)
         if "Points" not in root:
             self._create_arrays(n)
-        self._reserve(rows, fixed)
+        self._reserve(n, fixed)
         if n not in self._parts:
             self._parts[n] = add_part(root, n)
         part, first_cell = self._parts[n]
-        offsets = {self._append_frame(root[name], array) for name, array in rows.items()}
+        offsets = {self._append_frame(root["Points"], points)}
+        offsets |= {self._append_frame(root[name], array()) for name, array in rows.items()}
         assert len(offsets) == 1, "all arrays of a frame begin at the same row"
         for name in self.static:
             if name in fixed:
@@ -292,12 +308,12 @@ class ParticleFile:
         for name, ncomp in self.fields.items():
             dataset(self._root["PointData"], name, (ncomp,) if ncomp > 1 else (), self.dtype, chunk, **filters)
 
-    def _reserve(self, rows: dict[str, np.ndarray], fixed: dict[str, np.ndarray]) -> None:
-        arrays = [*rows.values(), *fixed.values()]
+    def _reserve(self, n: int, fixed: dict[str, np.ndarray]) -> None:
         chunk = self._root["Points"].chunks[0]
         # data sets grow by whole chunks; a new part has its table of vertices
-        room = sum(a.nbytes + chunk * a.itemsize * (a.shape[1] if a.ndim > 1 else 1) for a in arrays)
-        reserve(self._file, room + (0 if len(rows["Points"]) in self._parts else 8 * len(rows["Points"]) + (1 << 18)))
+        room = (n + chunk) * self.dtype.itemsize * (3 + sum(self.fields.values()))
+        room += sum(a.nbytes + chunk * a.itemsize * (a.shape[1] if a.ndim > 1 else 1) for a in fixed.values())
+        reserve(self._file, room + (0 if n in self._parts else 8 * n + (1 << 18)))
 
     def _append_frame(self, array: Any, rows: np.ndarray) -> int:
         chunk = array.chunks[0] if self._compress else 1
