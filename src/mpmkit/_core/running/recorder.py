@@ -206,7 +206,8 @@ class _Fields(Mapping[str, Any]):
     @property
     def nbytes(self) -> int:
         """Of all together, with the positions."""
-        return sum(s.n for s in self.stores) * self.dtype.itemsize * (3 + sum(components_of(n, self.stores[0]) for n in self.names))
+        width = 3 + sum(components_of(name, self.stores[0]) for name in self.names)
+        return sum(s.n for s in self.stores) * int(self.dtype.itemsize) * width
 
 
 def _three(x: Any) -> Any:

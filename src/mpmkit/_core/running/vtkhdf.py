@@ -226,7 +226,7 @@ class ParticleFile:
         self,
         time: float,
         points: np.ndarray,
-        rows: dict[str, Callable[[], np.ndarray]],
+        rows: Mapping[str, Callable[[], np.ndarray]],
         fixed: dict[str, np.ndarray],
         numbers: Mapping[str, float],
     ) -> None:
