@@ -86,7 +86,7 @@ class BodyStore:
     def _tiled(self) -> Any:
         return self.P.reshape(self.tiles, self.layout.size, LANES)
 
-    def columns(self, name: str, first: int = 0, last: int | None = None) -> Any:
+    def tiles_of(self, name: str, first: int = 0, last: int | None = None) -> Any:
         """The components of a field in tiles first to last as they lie in memory, (tiles, components, 16), or computed in that form."""
         last = self.tiles if last is None else min(last, self.tiles)
         if name in self.layout.derived:
@@ -95,7 +95,7 @@ class BodyStore:
         return self._tiled()[first:last, start : start + len(self.layout.stored(name)), :]
 
     def has(self, name: str) -> bool:
-        """Whether `columns` answers to it."""
+        """Whether `tiles_of` answers to it."""
         return name in self.layout.fields or name in self.layout.derived
 
     def set(self, name: str, value: Any) -> None:
@@ -122,7 +122,7 @@ class BodyStore:
             raise KeyError(name)
         field = self.layout.fields.get(name) or self.layout.derived[name]
         stored = self.layout.stored(name)
-        columns = self.columns(name).transpose(0, 2, 1).reshape(-1, len(stored))[: self.n]
+        columns = self.tiles_of(name).transpose(0, 2, 1).reshape(-1, len(stored))[: self.n]
         if field.shape == "scalar":
             one = np.empty(self.n, dtype=self.P.dtype)
             one[self.ids] = columns[:, 0]

@@ -59,7 +59,7 @@ def _stored(store: BodyStore, name: str, out: Any) -> None:
     places = out.view(row).reshape(-1)
     for tile in range(0, store.tiles, _TILES):
         ids = store.ids[tile * LANES : (tile + _TILES) * LANES]
-        found = store.columns(name, tile, tile + _TILES).astype(out.dtype).transpose(0, 2, 1).reshape(-1, len(stored))
+        found = store.tiles_of(name, tile, tile + _TILES).astype(out.dtype).transpose(0, 2, 1).reshape(-1, len(stored))
         if len(stored) < width:
             rows = np.tile(one, (len(found), 1))
             rows[:, list(stored)] = found
