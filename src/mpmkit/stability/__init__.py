@@ -1,0 +1,1 @@
+"""Hard cases for numerical stability: every component and composition is run through them."""
