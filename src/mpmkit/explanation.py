@@ -56,7 +56,7 @@ class Explanation:
 
     @property
     def data(self) -> dict[str, Any]:
-        from mpmkit._core.composing import loops
+        from mpmkit._core.composing import cautions, limits, loops
 
         run, plan = self.run, self.run.plan
         c = plan.composition
@@ -89,6 +89,8 @@ class Explanation:
                 n: {"bytes": itemsize * (1 if n == "m" else c.dim), "for": plan.node_layout.reasons[n]} for n in plan.node_layout.start
             },
             "off": self.off(),
+            "warnings": list(run.warnings),
+            "notes": cautions.notes(c) + limits.notes(c),
             "file": str(self.path),
         } | ({"measured": self.measured} if self.measured is not None else {})
 
@@ -107,7 +109,7 @@ class Explanation:
         return sorted(n for n in registry().of("effect", "contact") if n not in used)
 
     def __str__(self) -> str:
-        from mpmkit._core.composing import loops
+        from mpmkit._core.composing import cautions, limits, loops
         from mpmkit._core.running.memory import text as size
 
         run, plan, data = self.run, self.run.plan, self.data
@@ -145,6 +147,8 @@ class Explanation:
         lines.append(f"time step: {self._step_rule()}")
         for text in run.warnings:
             lines.append(f"warning: {text}")
+        for text in cautions.notes(c) + limits.notes(c):
+            lines.append(f"note: {text}")
         lines.append(f"generated step: {self.path}")
         if self.measured is not None:
             for title, headings, rows, notes in costs(self.measured):

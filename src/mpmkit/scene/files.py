@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mpmkit.errors import SceneError, did_you_mean
+from mpmkit.errors import SceneError, did_you_mean, shown
 from mpmkit.scene.mistakes import Mistakes
 
 if TYPE_CHECKING:
@@ -134,6 +134,8 @@ def _parse_toml(text: str, source: str) -> dict[str, Any]:
         raise SceneError(f"{source} is not valid TOML: {error}{_line_of(text, str(error))}") from None
     except RecursionError:
         raise SceneError(f"{source} is nested too deep") from None
+    except ValueError as error:  # of Python's own reading of a number or a date
+        raise SceneError(f"{source} is not valid TOML: {error}") from None
 
 
 def _parse_json(text: str, source: str) -> dict[str, Any]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 
 if TYPE_CHECKING:
-    from mpmkit.interfaces import ContactModel, ExplicitIntegrator, Material, ShapeFunction
+    from mpmkit.interfaces import ConstitutiveModel, ContactAlgorithm, Integrator, ShapeFunction
     from mpmkit.simulation import Simulation
 
 Status = Literal["holds", "bounded", "fails", "refused", "waiting"]
@@ -39,25 +42,28 @@ class Composition:
     """
 
     shape: ShapeFunction
-    integrator: ExplicitIntegrator
-    contact: ContactModel | None = None
+    integrator: Integrator
+    contact: ContactAlgorithm | None = None
     precision: str = "float64"
-    material: Material | None = None
+    material: ConstitutiveModel | None = None
     extra: tuple[Any, ...] = ()
 
     @property
     def label(self) -> str:
         """Short name for a table, for example ``Quadratic · MUSL/FLIP · float64``."""
         transfer = getattr(self.integrator, "transfer", None)
-        stepper = type(self.integrator).__name__ + (f"/{_told(transfer)}" if transfer is not None else "")
-        parts = [_told(self.shape), stepper, *([_told(self.contact)] if self.contact is not None else [])]
-        parts += [_told(one) for one in ((self.material,) if self.material is not None else ()) + self.extra]
+        stepper = type(self.integrator).__name__ + (f"/{told(transfer)}" if transfer is not None else "")
+        parts = [told(self.shape), stepper, *([told(self.contact)] if self.contact is not None else [])]
+        parts += [told(one) for one in ((self.material,) if self.material is not None else ()) + self.extra]
         return " · ".join([*parts, *([self.precision] if self.precision != "float64" else [])])
 
 
 @attrs.frozen
 class Figure:
-    """One number that a case measures and the limit that it must keep, both without a sign: |value| <= limit holds."""
+    """One number that a case measures and the limit that it must keep, both without a sign: |value| <= limit holds.
+
+    A limit of zero asks for exactly zero.
+    """
 
     name: str
     value: float
@@ -65,7 +71,11 @@ class Figure:
 
     @property
     def margin(self) -> float:
-        """|value| / limit: at most 1 if it holds."""
+        """|value| / limit: at most 1 if it holds; infinite for what is not a number, and for anything but zero where the limit is zero."""
+        if math.isnan(self.value):
+            return math.inf
+        if self.limit == 0.0:
+            return 0.0 if self.value == 0.0 else math.inf
         return abs(self.value) / self.limit
 
 
@@ -81,11 +91,30 @@ class Verdict:
         What was measured; empty if the run did not come to its end.
     reason : str
         The message of the guard, of the refusal, or of what the case waits for.
+    energy : float or None
+        Largest energy made or lost by any of the case's runs, relative to the largest energy of that run; None if none was run.
+    momentum : float or None
+        Largest momentum that appeared without an impulse, relative to all momenta of that run; None if none was run.
+    cautions : tuple of str
+        Names of the cautions with which the composition warned (`mpmkit._core.composing.cautions`).
     """
 
     status: Status
     figures: tuple[Figure, ...] = ()
     reason: str = ""
+    energy: float | None = None
+    momentum: float | None = None
+    cautions: tuple[str, ...] = ()
+
+    @property
+    def margin(self) -> float | None:
+        """The worst margin of all figures; None if nothing was measured."""
+        return max((f.margin for f in self.figures), default=None)
+
+
+def to_all(composition: Composition) -> str:
+    """The case says something about every composition."""
+    return ""
 
 
 @attrs.frozen
@@ -127,27 +156,56 @@ class Case:
     dim: int
     measure: Callable[[Composition, bool], list[Figure]]
     contact: bool = False
-    applies: Callable[[Composition], str] = lambda composition: ""
+    applies: Callable[[Composition], str] = to_all
     waits_for: str = ""
     material: bool = False
 
 
+_WATCHED: ContextVar[list[Any] | None] = ContextVar("simulations of the case being measured", default=None)
+
+
+@contextmanager
+def watched() -> Iterator[list[Simulation]]:
+    """The simulations that `simulation` makes in this block, so that their ledgers can be looked at."""
+    made: list[Any] = []
+    token = _WATCHED.set(made)
+    try:
+        yield made
+    finally:
+        _WATCHED.reset(token)
+
+
 def simulation(composition: Composition, grid: Any, **settings: Any) -> Simulation:
-    """An empty simulation with the components of a composition, to which a case adds its bodies."""
+    """An empty simulation with the components of a composition, to which a case adds its bodies; its ledger is watched.
+
+    Failed steps are not repeated with a smaller Courant number: what is judged is the composition, not the rescue.
+    """
     import mpmkit as mpm
 
-    sim = mpm.Simulation(grid, composition.shape, composition.integrator, precision=composition.precision, **settings)
+    settings = {"precision": composition.precision, "retries": 0} | settings
+    sim: Simulation = mpm.Simulation(grid, composition.shape, composition.integrator, **settings)
     for one in composition.extra:
         sim += one
+    made = _WATCHED.get()
+    if made is not None:
+        made.append(sim)
     return sim
 
 
-def _told(component: Any) -> str:
-    """Name of a component with what differs from its defaults."""
+def told(component: Any) -> str:
+    """Name of a component with what differs from its defaults; the transfer of an integrator is not said."""
     cls = type(component)
     changed = [
-        f"{a.name}={getattr(component, a.name)!r}"
+        f"{a.name}={_short(getattr(component, a.name))}"
         for a in attrs.fields(cls)
-        if a.init and a.name != "transfer" and getattr(component, a.name) != (a.default.factory() if hasattr(a.default, "factory") else a.default)
+        if a.init and a.name != "transfer" and a.default is not attrs.NOTHING and getattr(component, a.name) != _default(a)
     ]
     return f"{cls.__name__}({', '.join(changed)})" if changed else cls.__name__
+
+
+def _default(attribute: Any) -> Any:
+    return attribute.default.factory() if hasattr(attribute.default, "factory") else attribute.default
+
+
+def _short(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

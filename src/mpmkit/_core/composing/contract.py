@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from mpmkit._core.composing import cautions, limits
 from mpmkit._core.composing.composition import Composition
 from mpmkit._core.composing.layout import SYMMETRIC, TENSOR
 from mpmkit._core.composing.schedule import schedule
@@ -12,7 +13,7 @@ from mpmkit.interfaces import BoundaryLayer, Component
 
 
 def check(c: Composition) -> list[str]:
-    """Refuse what does not work; return warnings about what is doubtful.
+    """Refuse what does not work; return warnings about what is known, or was found, to be unstable.
 
     Raises
     ------
@@ -43,7 +44,7 @@ def check(c: Composition) -> list[str]:
         _check_stored(c)
     if getattr(c.integrator, "mass", "lumped") == "consistent":
         _check_consistent(c)
-    return []
+    return cautions.warnings(c) + limits.warnings(c)
 
 
 def _all(c: Composition) -> list[Component]:
@@ -56,10 +57,10 @@ def _check_space(c: Composition, component: Component) -> None:
         from mpmkit._core.registry import registry
 
         others = [e.name for e in registry().of(component.kind).values() if c.grid.space in e.component.spaces]
+        instead = f"{', '.join(sorted(others))}, or another grid" if others else "another grid"
         raise CompositionError(
             f"{type(component).__name__} ({component.kind}) does not work in a grid that is {c.grid.space}; it works in "
-            f"{', '.join(component.spaces)}. "
-            f"To fix: one of {', '.join(sorted(others)) or 'no other'} , or another grid"
+            f"{', '.join(component.spaces)}. To fix: {instead}"
         )
 
 

@@ -145,10 +145,10 @@ def loads(e: Engine, phase: Phase) -> list[Step]:
         chosen, scratch = np.asarray(layer_of.chosen, dtype=np.int64), tuple[Any, ...]()
         order: Any = slice(None)
         if not e.c.stored_operator:
-            place = np.empty(s.n, dtype=np.int64)
-            place[s.ids] = np.arange(s.n)
-            order = np.argsort(place[chosen])
-            chosen = place[chosen][order]
+            where_now = s.places()[chosen]
+            order = np.argsort(where_now)
+            order = order[where_now[order] >= 0]  # points that have been taken out carry nothing
+            chosen = where_now[order]
             blocks = np.searchsorted(e.places.blocks[k].starts, chosen, side="right") - 1
             arguments = (arguments[0], blocks, *arguments[2:])
             scratch = (e.scratch[0][0], e.scratch[0][2])

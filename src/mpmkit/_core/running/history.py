@@ -12,7 +12,7 @@ from typing import IO, Any, Self
 import numpy as np
 
 from mpmkit._core.running.paths import claim
-from mpmkit.errors import ResultsError
+from mpmkit.errors import ResultsError, shown
 
 
 class HistoryFile:
@@ -128,13 +128,34 @@ def read_history(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
     """
     path = Path(path)
     columns = _header(path)
-    text = path.read_text(encoding="utf-8")
-    whole = text[: text.rfind("\n") + 1]  # a row without its end is still being written
-    rows = list(csv.reader(io.StringIO(whole)))[1:]
+    try:
+        text = path.read_text(encoding="utf-8")
+        whole = text[: text.rfind("\n") + 1]  # a row without its end is still being written
+        rows = list(csv.reader(io.StringIO(whole)))[1:]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise _damaged(path, str(error)) from error
     for number, row in enumerate(rows, start=2):
         if len(row) != len(columns):
-            raise ResultsError(f"{path} is damaged: line {number} has {len(row)} entries for {len(columns)} columns")
-    return {name: _array([row[k] for row in rows]) for k, name in enumerate(columns)}
+            raise _damaged(path, f"line {number} has {len(row)} entries for {len(columns)} columns")
+    found = {name: _array([row[k] for row in rows]) for k, name in enumerate(columns)}
+    for k, (name, column) in enumerate(found.items()):
+        numbers = [_is_number(row[k]) for row in rows] if column.dtype.kind == "U" else []
+        if any(numbers):
+            line = numbers.index(False) + 2
+            raise _damaged(path, f"line {line} has {shown(rows[line - 2][k], 40)} for {name}, which is no number")
+    return found
+
+
+def _damaged(path: Path, reason: str) -> ResultsError:
+    return ResultsError(f"{path} is damaged: {reason}; copy it again from where it was written, or run the scene again")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _header(path: Path) -> tuple[str, ...]:
@@ -157,8 +178,14 @@ def _truncate(path: Path, column: int, step: int | None) -> None:
         file.readline()
         end = file.tell()
         for line in iter(file.readline, b""):
-            row = next(csv.reader([line.decode()]), [])
-            if not line.endswith(b"\n") or len(row) <= column or (step is not None and int(row[column]) > step):
+            try:
+                row = next(csv.reader([line.decode()]), [])
+                later = len(row) > column and step is not None and int(row[column]) > step
+            except (ValueError, csv.Error) as error:
+                if not line.endswith(b"\n"):
+                    break
+                raise _damaged(path, f"{shown(line, 60)} is no row ({error})") from error
+            if not line.endswith(b"\n") or len(row) <= column or later:
                 break
             end = file.tell()
         file.truncate(end)

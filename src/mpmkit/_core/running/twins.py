@@ -47,9 +47,10 @@ def twin(sim: Simulation, threads: int, leave_out: Place | None = None) -> Run:
 def take_state(mine: Engine, theirs: Engine) -> None:
     """Bring an engine to the state of another one of the same bodies, field by field: those that only the other one has are left out."""
     for ours, original in zip(mine.stores, theirs.stores, strict=True):
+        ours.keep(original.points_now())
         for name in ours.layout.fields:
             ours.set(name, original.get(name))
-    mine.outs[:], mine.work[:] = theirs.outs, theirs.work
+    mine.outs[:], mine.work[:], mine.gone[:] = theirs.outs, theirs.work, theirs.gone
     mine.flags[:] = False
     if mine.c.stored_operator:
         _take_nodes(mine, theirs)
