@@ -89,6 +89,7 @@ class Explanation:
                 n: {"bytes": itemsize * (1 if n == "m" else c.dim), "for": plan.node_layout.reasons[n]} for n in plan.node_layout.start
             },
             "off": self.off(),
+            "guards": self.guards(),
             "warnings": list(run.warnings),
             "notes": cautions.notes(c) + limits.notes(c),
             "file": str(self.path),
@@ -145,6 +146,7 @@ class Explanation:
         lines += [f"    {name:<8}{f['bytes']:>4} B   {f['for']}" for name, f in data["node fields"].items()]
         lines += ["", f"off (no field, no line, no time): {', '.join(data['off']) or 'nothing'}"]
         lines.append(f"time step: {self._step_rule()}")
+        lines += [f"{what}: {how}" for what, how in data["guards"].items()]
         for text in run.warnings:
             lines.append(f"warning: {text}")
         for text in cautions.notes(c) + limits.notes(c):

@@ -25,6 +25,9 @@ def _complete(_: click.Context, __: click.Parameter, incomplete: str) -> list[st
 @click.option("--quick", is_flag=True, help="Shorter runs of the default composition and a few others.")
 @click.option("--with", "plugin", metavar="PLUGIN", help="Compositions in which this plugin, distribution or component takes part.")
 @click.option("--all", "every", is_flag=True, help="The full product of what is registered, which takes hours.")
+@click.option(
+    "--limits", is_flag=True, help="Search the limits of the main compositions instead: time step, particles per cell, stretch ..."
+)
 @click.option("--list", "listing", is_flag=True, help="Only list the cases.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option(
@@ -39,6 +42,7 @@ def stability(
     quick: bool,
     plugin: str | None,
     every: bool,
+    limits: bool,
     listing: bool,
     as_json: bool,
     output: str,
@@ -58,6 +62,11 @@ def stability(
     if listing:
         show_cases(names, as_json)
         return
+    if limits:
+        if names or plugin is not None or every:
+            raise click.UsageError("--limits searches the limits of the main compositions; it takes --quick, --json and --output only")
+        search(Path(output), quick, as_json)
+        return
     chosen(names or None)  # a name that no case has is told before anything is made
     suite = run(
         names or None, quick=quick, plugin=plugin, every=every, jobs=jobs, timeout=timeout, folder=_folder(output, plugin), quiet=False
@@ -72,6 +81,21 @@ def stability(
             click.echo(str(path))
     if not suite.passed:
         click.get_current_context().exit(1)
+
+
+def search(folder: Path, quick: bool, as_json: bool) -> None:
+    """Search the limits; write and print them."""
+    from mpmkit.stability.limits import find_limits, table
+    from mpmkit.stability.limits import write as keep
+
+    data = find_limits(quick=quick, say=lambda text: click.echo(text, err=True))
+    folder.mkdir(parents=True, exist_ok=True)
+    path = keep(data, folder / "limits.json")
+    if as_json:
+        print_json(data)
+    else:
+        click.echo(table(data))
+        click.echo(str(path))
 
 
 def _folder(output: str, plugin: str | None) -> Path:

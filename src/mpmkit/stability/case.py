@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import attrs
 
 if TYPE_CHECKING:
-    from mpmkit.interfaces import ConstitutiveModel, ContactAlgorithm, Integrator, ShapeFunction
+    from mpmkit.interfaces import ConstitutiveModel, ContactAlgorithm, ShapeFunction
     from mpmkit.simulation import Simulation
 
 Status = Literal["holds", "bounded", "fails", "refused", "waiting"]
@@ -42,7 +42,7 @@ class Composition:
     """
 
     shape: ShapeFunction
-    integrator: Integrator
+    integrator: Any  # an ExplicitIntegrator
     contact: ContactAlgorithm | None = None
     precision: str = "float64"
     material: ConstitutiveModel | None = None

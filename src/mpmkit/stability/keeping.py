@@ -80,7 +80,8 @@ def _core() -> bytes:
 
     home = Path(mpmkit.__file__).parent
     suite = [home / "stability" / name for name in ("case.py", "judge.py")] + sorted((home / "stability" / "cases").glob("_*.py"))
-    files = [p for p in sorted(home.rglob("*.py")) if p.relative_to(home).parts[0] not in ASIDE]
+    read = (p for ending in ("py", "json") for p in sorted(home.rglob(f"*.{ending}")))
+    files = [p for p in read if p.relative_to(home).parts[0] not in ASIDE]
     from mpmkit._core.registry import registry
 
     bundled = {e.component.__module__.split(".")[0] for e in registry().entries if e.distribution == "mpmkit"}

@@ -17,6 +17,13 @@ from mpmkit.testing.calling import variants
 from mpmkit.testing.checks import table
 from mpmkit.testing.collect import Declared
 
+ALWAYS = {
+    "entry point loads": "The plugin can be imported and returns component classes, and no other one of the kind has the same name.",
+    "examples construct": "The component can be built from the examples of its parameters, with each choice and example in turn.",
+    "known failures are checks": "Each entry of ``expected_failures`` names a check of this component; one that passes is a failure there.",
+}
+"""Checks that are made of every component beside those in the table of `mpmkit.testing.checks`."""
+
 Target = str | type[Component] | Component | None
 
 

@@ -80,9 +80,9 @@ CAUTIONS: tuple[Caution, ...] = (
         when=_strains_raw_velocities,
         reason=(
             "the recipe takes strains from the nodal velocities of the momentum update as they are, with a shape function whose slopes "
-            "jump: the strain that a particle's own force returns to it goes with slope^2 / weight at the node, which has no bound as the weight "
-            "goes to zero while the slope does not, so a particle that drifts past a node is torn off, with energy from nothing "
-            "(Bardenhagen 2002; with continuous slopes the ratio stays bounded)"
+            "jump: the strain that a particle's own force returns to it goes with slope^2 / weight at the node, which has no bound as "
+            "the weight goes to zero while the slope does not, so a particle that drifts past a node is torn off, with energy from "
+            "nothing (Bardenhagen 2002; with continuous slopes the ratio stays bounded)"
         ),
         remedy="MUSL, USF, USL with its limit (limit=0.5), or a shape function with continuous slopes",
         shown_by=("tiny-mass",),

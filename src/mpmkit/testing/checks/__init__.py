@@ -13,9 +13,10 @@ from mpmkit.testing.collect import CHECKS, Declared
 def _load() -> None:
     for module in sorted(found.name for found in pkgutil.iter_modules(__path__)):
         importlib.import_module(f"{__name__}.{module}")
+    CHECKS.sort(key=lambda declared: declared.kind != "all")  # the general ones first; the others keep their order
 
 
 def table() -> list[Declared]:
-    """All checks, in the order of the modules' names; imported here and not before, because they need numpy."""
+    """All checks, those of all kinds first, else in the order of the modules' names; imported here and not before, because they need numpy."""
     _load()
     return CHECKS
