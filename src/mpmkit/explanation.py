@@ -109,6 +109,26 @@ class Explanation:
         used = {type(x).__name__ for x in [*c.effects.values(), c.contact]}
         return sorted(n for n in registry().of("effect", "contact") if n not in used)
 
+    def guards(self) -> dict[str, str]:
+        """What happens when a step fails or a particle leaves the domain."""
+        from mpmkit._core.running import snapshot
+
+        sim, c = self.run.sim, self.run.plan.composition
+        if getattr(c.integrator or c.discretization, "dt", None) is not None:
+            failed = "the run stops: dt is fixed"
+        elif not sim.retries:
+            failed = "the run stops (retries = 0)"
+        elif not snapshot.small(self.run.engine):
+            failed = f"the run stops: of a state of more than {snapshot.IN_MEMORY >> 20} MiB no copy is kept"
+        else:
+            failed = f"repeated with half the Courant number, {sim.retries} times in a row at most"
+        leaving = {
+            "stop": "the run stops",
+            "remove": "taken out and booked in the history",
+            "clamp": "held at the face, impulse and energy booked",
+        }
+        return {"failed steps": failed, "particles that leave the domain": leaving[sim.leaving]}
+
     def __str__(self) -> str:
         from mpmkit._core.composing import cautions, limits, loops
         from mpmkit._core.running.memory import text as size

@@ -43,7 +43,9 @@ class Grid:
         if len(self.upper) != dim:
             raise ParameterError(f"Grid.upper must have {dim} numbers like lower {self.lower}, got {len(self.upper)}: {shown(self.upper)}")
         if len(self.spacing) not in (1, dim):
-            raise ParameterError(f"Grid.spacing must be one number or {dim}, one for each axis, got {len(self.spacing)}: {shown(self.spacing)}")
+            raise ParameterError(
+                f"Grid.spacing must be one number or {dim}, one for each axis, got {len(self.spacing)}: {shown(self.spacing)}"
+            )
         for name in ("lower", "upper", "spacing"):
             if not all(math.isfinite(c) for c in getattr(self, name)):
                 raise ParameterError(f"Grid.{name} must be finite, got {getattr(self, name)}")

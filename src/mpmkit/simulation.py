@@ -123,7 +123,7 @@ class Simulation:
 
     @retries.setter
     def retries(self, value: int) -> None:
-        self._retries = convert(value, int, Spec("how often failed steps are repeated", ge=0.0, le=20.0), "Simulation.retries")
+        self._retries: int = convert(value, int, Spec("how often failed steps are repeated", ge=0.0, le=20.0), "Simulation.retries")
 
     def __iadd__(self, parts: Any) -> Simulation:
         """Add a body, boundary layer, contact algorithm, effect or record, or several of them."""

@@ -24,8 +24,8 @@ def base(name):
 
 
 def failures(mutant, names):
-    """Reasons of the checks among `names` that fail, by name."""
-    checks = [c for c in iter_checks(mutant.cls) if base(c.name) in names]
+    """Reasons of the checks among `names` that fail, by name; its own checks with all choices of parameters, others with the first."""
+    checks = [c for c in iter_checks(mutant.cls) if c.name in names or base(c.name) in mutant.checks]
     rows = [run_one(check) for check in checks]
     return {base(row["check"]): row["reason"] for row in rows if not row["passed"]}
 

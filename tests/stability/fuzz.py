@@ -90,7 +90,10 @@ def compositions(count: int, seed: int, show: int, compiled: bool = False) -> in
             shown.setdefault((outcome.kind, key), outcome.text)
 
     began = time.perf_counter()
-    one()
+    try:
+        one()
+    except KeyboardInterrupt:
+        print("interrupted")
     print(f"{number} scenes in {time.perf_counter() - began:.0f} s: {dict(tally)}, {len(faults)} kinds of fault")
     print("largest momentum error and energy made:", {" ".join(k): tuple(f"{x:.2g}" for x in v) for k, v in worst.items()})
     print("ran:", dict(sorted(used.items())))
@@ -103,7 +106,6 @@ def kills(count: int, seed: int, show: int) -> int:
     """Runs killed at random moments of their writing, some of them again after they were resumed."""
     from killed_run import acknowledged, check_end, check_left, child, events
 
-    os.environ["NUMBA_DISABLE_JIT"] = "1"
     rng, faults, killed = random.Random(seed), 0, collections.Counter()
     with tempfile.TemporaryDirectory() as folder:
         whole = {c: Path(folder) / f"whole{c}.vtkhdf" for c in (False, True)}

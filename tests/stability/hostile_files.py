@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-import datetime
+import datetime as dt
 import json
 import random
 from pathlib import Path
@@ -13,7 +13,7 @@ import tomli_w
 
 from mpmkit._core.registry import registry
 from mpmkit.geometry import GEOMETRIES
-from mpmkit.parameters import example_arguments
+from mpmkit.parameters import example_arguments, specs
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -33,8 +33,51 @@ TEXTS = (
     "1 mm", "1 furlong", "1e400 m", "-1 kg", "nan m", "inf s", "1 m/s/s/s", "9**9**9 m", "1 m**99999999", "2.5 degC", "1 %", "1 mm mm mm",
     "1" * 400 + " m", "steel", "Box", "Gravity", "FLIP", "{{}}", "%s%n", "${HOME}", "{0.__class__}", *FORMULAS,
 )  # fmt: skip
-KEYS = ("kind", "E", "nu", "x", "", " ", "__class__", "__init__", "a.b", "é", "\0", "k" * 5000, "until", "grid", "materials", "self", "cls", "lower")
-JUNK = ("\0", "\x7f", "\ufeff", "[", "]", "{", "}", "=", '"', "'", '"""', "#", "\\", "\\u0000", "\\uD800", "[[", "]]", ",", "1e", "0x", "inf", "\r", "\u2028")
+KEYS = (
+    "kind",
+    "E",
+    "nu",
+    "x",
+    "",
+    " ",
+    "__class__",
+    "__init__",
+    "a.b",
+    "é",
+    "\0",
+    "k" * 5000,
+    "until",
+    "grid",
+    "materials",
+    "self",
+    "cls",
+    "lower",
+)
+JUNK = (
+    "\0",
+    "\x7f",
+    "\ufeff",
+    "[",
+    "]",
+    "{",
+    "}",
+    "=",
+    '"',
+    "'",
+    '"""',
+    "#",
+    "\\",
+    "\\u0000",
+    "\\uD800",
+    "[[",
+    "]]",
+    ",",
+    "1e",
+    "0x",
+    "inf",
+    "\r",
+    "\u2028",
+)
 
 
 def seeds() -> list[dict[str, Any]]:
@@ -44,14 +87,17 @@ def seeds() -> list[dict[str, Any]]:
     found = [tomllib.loads(p.read_text(encoding="utf-8")) for p in sorted(EXAMPLES.glob("*.toml"))]
     plain = {
         "grid": {"lower": [0.0, 0.0], "upper": [2.0, 2.0], "spacing": 0.25},
-        "shape": {"kind": "Linear"},
+        "shape": {"kind": "QuadraticBSpline"},
         "integrator": {"kind": "MUSL"},
         "materials": {"soft": {"kind": "NeoHookean", "E": "1 kPa", "nu": 0.3, "rho": 1000.0}},
-        "bodies": [{"name": "bar", "geometry": {"kind": "Box", "lower": [0.5, 0.5], "upper": [1.0, 1.0]}, "material": "soft", "v": ["x", "0"]}],
+        "bodies": [
+            {"name": "bar", "geometry": {"kind": "Box", "lower": [0.5, 0.5], "upper": [1.0, 1.0]}, "material": "soft", "v": ["x", "0"]}
+        ],
     }
     for entry in registry().entries:
         scene = copy.deepcopy(plain)
-        table = {"kind": entry.name} | {k: _listed(v) for k, v in example_arguments(entry.component).items()}
+        arguments = {k: _listed(v) for k, v in example_arguments(entry.component).items()}
+        table = {"kind": entry.name} | {k: (v * 2)[:2] if isinstance(v, list) else v for k, v in arguments.items()}
         match entry.kind:
             case "shape" | "integrator":
                 scene[entry.kind] = table
@@ -60,7 +106,9 @@ def seeds() -> list[dict[str, Any]]:
             case "material":
                 scene["bodies"][0]["material"] = table
             case "boundary":
-                scene["boundaries"] = [table | ({"face": "xmax"} if entry.name == "TractionLayer" else {})]
+                scene["boundaries"] = [
+                    table | {name: "xmax" if name == "face" else ["xmax"] for name in ("face", "faces") if name in specs(entry.component)}
+                ]
             case "contact":
                 scene["contacts"] = [table]
             case "effect":
@@ -124,7 +172,7 @@ def odd_value(rng: random.Random) -> Any:
     if choice == 6:
         return [rng.choice(NUMBERS) for _ in range(rng.choice((0, 1, 2, 3, 4, 9, 3000)))]
     if choice == 7:
-        return rng.choice((datetime.datetime(2000, 1, 1), datetime.date(2000, 1, 1), datetime.time(1, 2), {}, [], [[]], [{}]))
+        return rng.choice((dt.datetime(2000, 1, 1), dt.date(2000, 1, 1), dt.time(1, 2), {}, [], [[]], [{}]))
     return {"kind": rng.choice([e.name for e in registry().entries] + list(GEOMETRIES))}
 
 
@@ -190,7 +238,9 @@ def typo(key: Any, rng: random.Random) -> str:
     """Nearly the same name."""
     text = str(key)
     at = rng.randrange(len(text) + 1)
-    return rng.choice((text[:at] + text[at + 1 :], text[:at] + rng.choice("xé_ .\0") + text[at:], text.upper(), text[::-1], rng.choice(KEYS)))
+    return rng.choice(
+        (text[:at] + text[at + 1 :], text[:at] + rng.choice("xé_ .\0") + text[at:], text.upper(), text[::-1], rng.choice(KEYS))
+    )
 
 
 def cyclic_names(rng: random.Random) -> dict[str, Any]:
@@ -238,7 +288,15 @@ def spoil(text: str, rng: random.Random) -> str:
             text = "\n".join(lines)
         elif choice == 6:
             deep = rng.choice((50, 900, 5000))
-            text += rng.choice((f"\nz = {'[' * deep}", f"\nz = {'[' * deep}{']' * deep}", "\n[" + ".".join(["z"] * deep) + "]\n", f"\nz = {'{a=' * deep}1{'}' * deep}", f"\nz = {'9' * deep}"))
+            text += rng.choice(
+                (
+                    f"\nz = {'[' * deep}",
+                    f"\nz = {'[' * deep}{']' * deep}",
+                    "\n[" + ".".join(["z"] * deep) + "]\n",
+                    f"\nz = {'{a=' * deep}1{'}' * deep}",
+                    f"\nz = {'9' * deep}",
+                )
+            )
         elif choice == 7:
             text = text[:at] + rng.choice(TEXTS) + text[at:]
         else:
@@ -252,7 +310,15 @@ def spoil_bytes(raw: bytes, rng: random.Random) -> bytes:
     for _ in range(rng.choice((1, 3, 30))):
         if changed:
             changed[rng.randrange(len(changed))] = rng.randrange(256)
-    return rng.choice((bytes(changed), raw[: rng.randrange(len(raw) + 1)], raw + rng.randbytes(64), raw.decode("utf-8", "replace").encode("utf-16"), rng.randbytes(300)))
+    return rng.choice(
+        (
+            bytes(changed),
+            raw[: rng.randrange(len(raw) + 1)],
+            raw + rng.randbytes(64),
+            raw.decode("utf-8", "replace").encode("utf-16"),
+            rng.randbytes(300),
+        )
+    )
 
 
 def hostile(rng: random.Random, known: list[dict[str, Any]]) -> tuple[bytes, str]:

@@ -27,7 +27,7 @@ MOMENTUM = {"float64": 1e-11, "float32": 1e-3}
 
 @attrs.frozen
 class Outcome:
-    """"runs", "refused", "stopped" by a guard, or "fault"; with a text, and what was measured."""
+    """ "runs", "refused", "stopped" by a guard, or "fault"; with a text, and what was measured."""
 
     kind: str
     text: str = ""
@@ -113,7 +113,9 @@ def measure(mild: bool, sim: mpm.Simulation) -> Outcome:
     for body in sim.bodies:
         for name, array in sim.particles(body).items():
             if not np.isfinite(array).all():
-                return Outcome("fault", f"{name} of {body.name} is not finite after {sim.step_number} steps, and no guard has spoken", **found)
+                return Outcome(
+                    "fault", f"{name} of {body.name} is not finite after {sim.step_number} steps, and no guard has spoken", **found
+                )
     for name, value in row.items():
         if not math.isfinite(value):
             return Outcome("fault", f"{name} in the history is {value}", **found)

@@ -67,13 +67,15 @@ def same_history(a, b):
         (2, QuadraticBSpline(), MUSL(APIC()), "float64"),
         (2, ContiguousGIMP(), USF(), "float64"),
         (2, QuadraticBSpline(), USL(PIC()), "float32"),
-        (3, GIMP(), MUSL(), "float64"),
+        (3, Linear(), MUSL(), "float64"),
     ],
     ids=str,
 )
 def test_removed_particles_are_booked(tmp_path, dim, shape, integrator, precision):
     """Free flight: what is there and what has left add up to what there was, to rounding of all sums (times the number of steps)."""
-    sim = flying(dim, mpm.Record(tmp_path / "run.vtkhdf", every=0.05), shape=shape, integrator=integrator, precision=precision, leaving="remove")
+    sim = flying(
+        dim, mpm.Record(tmp_path / "run.vtkhdf", every=0.05), shape=shape, integrator=integrator, precision=precision, leaving="remove"
+    )
     results = sim.run(until=0.3, quiet=True)
     h = sim.history
     eps = 100 * float(np.finfo(precision).eps)
@@ -131,7 +133,7 @@ def test_what_leaves_does_not_disturb_what_stays():
     """In fields of their own and with a fixed time step, the body that stays moves as if the other one were still there, to the bit."""
 
     def made(lower, upper, leaving):
-        sim = mpm.Simulation(mpm.Grid((0.0, 0.0), (upper, 2.0), 0.25), QuadraticBSpline(), MUSL(APIC(), dt=4e-3), leaving=leaving)
+        sim = mpm.Simulation(mpm.Grid((0.0, 0.0), (upper, 2.0), 0.25), QuadraticBSpline(), MUSL(APIC(), dt=8e-3), leaving=leaving)
         sim += mpm.Body(box(1.25, 1.75, 2), RUBBER, (3.0, 0.1), particles_per_cell=1, name="bullet")
         sim += mpm.Body(mpm.Box((0.5, 0.5), (0.75, 1.0)), RUBBER, (lower, "0.5*x"), name="rest")
         sim += FrictionalContact()
@@ -222,7 +224,9 @@ def test_what_is_not_a_number_is_an_error_in_any_case(leaving):
 
 
 def test_stop_says_what_else_could_be_chosen():
-    with pytest.raises(mpm.StabilityError, match=r"particle \d+ of body 'bullet' \(NeoHookean\): it left the domain: .*, at step \d+, t = .*leaving="):
+    with pytest.raises(
+        mpm.StabilityError, match=r"particle \d+ of body 'bullet' \(NeoHookean\): it left the domain: .*, at step \d+, t = .*leaving="
+    ):
         flying(2).run(until=0.3, quiet=True)
 
 
@@ -296,7 +300,9 @@ def test_failed_steps_are_repeated_and_told(tmp_path, capsys):
     repeats = sim.compose().repeats
     told = [str(one.message) for one in caught if "are repeated" in str(one.message)]
     assert told == [str(one) for one in repeats.done]
-    assert re.match(r"steps \d+ to \d+ \(t = .* s\) are repeated with the Courant number times 0\.5, because a step failed: energy", told[0])
+    assert re.match(
+        r"steps \d+ to \d+ \(t = .* s\) are repeated with the Courant number times 0\.5, because a step failed: energy", told[0]
+    )
     assert repeats.done and repeats.done[0].share == 0.5
     h = sim.history
     assert h["repeated"][0] == 0 and h["repeated"][-1] == repeats.steps > 0 and (np.diff(h["repeated"]) >= 0).all()
@@ -387,23 +393,23 @@ def test_retries_may_be_changed_after_a_failure():
     assert sim.t == 3.0 and (np.diff(sim.history["step"]) > 0).all()
 
 
+@pytest.mark.usefixtures("close_copies")
 def test_copies_do_not_depend_on_the_clock():
-    """They are made by the number of the step, and with everything that is written."""
-    sim = rod(E=1.0)
+    """They are made by the number of the step, and at the end of a run, where a frame is kept that nothing may go back behind."""
+    sim = rod(E=0.01)
     sim.run(until=1.0, quiet=True)
-    first = [copy.step for copy in sim.compose()._snapshot.copies]
-    assert first == [sim.step_number]
     copies = sim.compose()._snapshot
-    quietly(sim, 60.0)
+    first = [copy.step for copy in copies.copies]
+    assert first == [sim.step_number]
+    sim.run(until=5.0, quiet=True)
     assert [copy.step for copy in copies.copies] == [sim.step_number] and sim.step_number > first[0] + 2 * snapshot.EVERY
 
 
 # --- energy out of nothing ----------------------------------------------------------------------------------------
 @pytest.mark.parametrize("dim", [1, 2, 3])
-@pytest.mark.parametrize("shape", [Linear(), GIMP(), QuadraticBSpline()], ids=str)
-@pytest.mark.parametrize("factor", [1.05, 1.2, 2.0])
+@pytest.mark.parametrize(("shape", "factor"), [(Linear(), 1.05), (GIMP(), 1.2), (QuadraticBSpline(), 2.0)], ids=str)
 def test_fixed_step_above_the_limit_is_refused_at_once(dim, shape, factor):
-    sim, h_over_c = struck(dim, shape, factor)
+    sim, _ = struck(dim, shape, factor)
     with pytest.raises(mpm.StabilityError, match=r"fixed dt = .* is above the stable limit .* at step 0"):
         sim.run(until=1.0, quiet=True)
 
@@ -436,7 +442,7 @@ def test_growth_is_noticed_within_a_few_steps(dim, shape, monkeypatch):
 
 def test_growth_late_in_a_run_is_noticed_though_the_history_has_few_rows(tmp_path, monkeypatch):
     """The step is stable for 30 steps, then four times as long: noticed within ten."""
-    sim, t = struck(2, Linear(), 0.5)
+    sim, _ = struck(2, Linear(), 0.5)
     sim += mpm.Record(tmp_path / "run.vtkhdf", history=100000)
     before = timestep.next_step
 
@@ -466,5 +472,7 @@ def test_collapse_of_the_time_step_names_the_rule():
     sim.run(until=0.2, quiet=True)
     run = sim.compose()
     run.engine.outs[0, 0] *= 1e7
-    with pytest.raises(mpm.StabilityError, match=r"time step collapsed to .* limited by wave speed and particle speed of body 'rod'.*To fix"):
+    with pytest.raises(
+        mpm.StabilityError, match=r"time step collapsed to .* limited by wave speed and particle speed of body 'rod'.*To fix"
+    ):
         sim.run(until=1.0, quiet=True)

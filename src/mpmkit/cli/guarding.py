@@ -18,7 +18,10 @@ def guard_options(command: F) -> F:
         help="What happens to particles that leave the domain, instead of what the scene says.",
     )
     retries = click.option(
-        "--retries", type=click.IntRange(0, 20), metavar="N", help="How many times in a row failed steps are repeated with half the Courant number."
+        "--retries",
+        type=click.IntRange(0, 20),
+        metavar="N",
+        help="How many times in a row failed steps are repeated with half the Courant number.",
     )
     return leaving(retries(command))
 

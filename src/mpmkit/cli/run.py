@@ -21,7 +21,16 @@ from mpmkit.errors import SceneError
 )
 @guard_options
 @click.option("--quiet", is_flag=True, help="Show no progress.")
-def run(scene: str, until: float | None, output: str | None, overwrite: bool, threads: int | None, leaving: str | None, retries: int | None, quiet: bool) -> None:
+def run(
+    scene: str,
+    until: float | None,
+    output: str | None,
+    overwrite: bool,
+    threads: int | None,
+    leaving: str | None,
+    retries: int | None,
+    quiet: bool,
+) -> None:
     """Run SCENE (.toml or .json), show progress and write the results that it records."""
     from mpmkit.scene import load
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mpmkit.errors import SceneError, did_you_mean, shown
+from mpmkit.errors import SceneError, did_you_mean
 from mpmkit.scene.mistakes import Mistakes
 
 if TYPE_CHECKING:

@@ -52,7 +52,7 @@ class Composition:
     def label(self) -> str:
         """Short name for a table, for example ``Quadratic · MUSL/FLIP · float64``."""
         transfer = getattr(self.integrator, "transfer", None)
-        stepper = type(self.integrator).__name__ + (f"/{told(transfer)}" if transfer is not None else "")
+        stepper = told(self.integrator) + (f"/{told(transfer)}" if transfer is not None else "")
         parts = [told(self.shape), stepper, *([told(self.contact)] if self.contact is not None else [])]
         parts += [told(one) for one in ((self.material,) if self.material is not None else ()) + self.extra]
         return " · ".join([*parts, *([self.precision] if self.precision != "float64" else [])])

@@ -68,8 +68,8 @@ def published(axes: Axes | None = None) -> list[Composition]:
     out: list[Composition] = [a.one(None, integrator, transfer) for integrator in a.integrators for transfer in a.transfers]
     out += [a.one(precision=precision) for precision in a.precisions]
     out += [a.one(contact=contact) for contact in a.contacts]
-    out += studied(a) if axes is None else []
     out += [a.one(shape, integrator) for shape in a.shapes for integrator in a.integrators]
+    out += studied(a) if axes is None else []
     return unique(out)
 
 

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from mpmkit.stability.case import Composition
 
 Matrix = Any
-RADIUS = 1e-4
-"""Growth per step above which a mode grows: a thousand steps then multiply it by more than 1.1."""
+RADIUS = 1e-3
+"""Growth per step above which a mode grows: a thousand steps then multiply it by 2.7."""
 SEQUENCES = {"MUSL", "USF", "USL"}
 TRANSFERS = {"FLIP", "PIC", "XPIC", "APIC", "MLS", "TPIC"}
 

@@ -206,10 +206,12 @@ class Vibration:
         return np.bincount(self.bodies.which, self.law.energy(tuple(F.T), self.law.lam, self.law.mu) * m / self.law.rho)
 
     def _kinetic(self, v: Array, after: Array) -> Array:
-        """Kinetic energy m v . v' / 2 of each block in the frame that flies with it."""
+        """Kinetic energy m v . v' / 2 of each block; of one that flies, in the frame that flies with it."""
         m, which = self.scene.particles("m")[0], self.bodies.which
         mass = np.bincount(which, m)
         total = np.bincount(which, m * (v * after).sum(axis=1))
+        if not self.flight:
+            return 0.5 * total
         flight = [np.bincount(which, m * v[:, a]) * np.bincount(which, m * after[:, a]) / mass for a in range(self.dim)]
         return 0.5 * (total - sum(flight))
 

@@ -19,8 +19,8 @@ WIDEST = 24
 """Columns in one panel; further ones stand below, so that the letters stay large."""
 WIDE, HIGH = 0.35, 0.28
 """Of a cell [inch]."""
-LETTER, HEADING = 0.062, 0.42
-"""Mean width of a letter of the labels; height of a heading of a group [inch]."""
+LETTER, HEADING = 0.062, 0.56
+"""Mean width of a letter of the labels; height of the headings of groups, which may stand in two lines [inch]."""
 
 
 def draw(data: Plain, path: str | PathLike[str]) -> None:
@@ -55,7 +55,7 @@ def draw(data: Plain, path: str | PathLike[str]) -> None:
         for panel, labels, high in zip(panels, above, tall, strict=True):
             box = (names / width, (top - high) / height, WIDE * len(panel) / width, HIGH * rows / height)
             axes = figure.add_axes(box, frameon=False)
-            _panel(axes, data, panel, 1.0 + (labels - HEADING + 0.1) / (HIGH * rows))
+            _panel(axes, data, panel, 1.0 + (labels - HEADING + 0.12) / (HIGH * rows))
             top -= high
         _legend(figure, data, height)
         buffer = io.BytesIO()
@@ -102,20 +102,30 @@ def _panel(axes: Any, data: Plain, columns: list[int], above: float) -> None:
     axes.set_yticks([y + 0.5 for y in range(len(names))], names, fontsize=7.5)
     axes.xaxis.tick_top()
     axes.tick_params(length=0, pad=2)
-    start = 0
+    start, raised, filled = 0, False, 0.0
     for x in range(1, len(columns) + 1):
         group = data["compositions"][columns[start]]["group"]
         if x == len(columns) or data["compositions"][columns[x]]["group"] != group:
-            _group(axes, start, x, group, above)
+            middle, half = 0.5 * (start + x), 0.6 * LETTER / WIDE * len(group)
+            raised = not raised and middle - half < filled  # where two long names would meet, one stands higher
+            filled = middle + half
+            _group(axes, start, x, group, above, raised)
             start = x
 
 
-def _group(axes: Any, start: int, end: int, name: str, y: float) -> None:
+def _group(axes: Any, start: int, end: int, name: str, y: float, raised: bool) -> None:
     """A heading over the columns of one shape function, and lines that hold them together."""
     place = axes.get_xaxis_transform()
     axes.plot((start + 0.12, end - 0.12), (y, y), color="#22262b", lw=0.9, transform=place, clip_on=False)
     axes.annotate(
-        name, (0.5 * (start + end), y), (0, 3), xycoords=place, textcoords="offset points", ha="center", fontsize=8, weight="bold"
+        name,
+        (0.5 * (start + end), y),
+        (0, 13 if raised else 3),
+        xycoords=place,
+        textcoords="offset points",
+        ha="center",
+        fontsize=8,
+        weight="bold",
     )
     if start:
         axes.plot((start, start), (0, 1), color="#22262b", lw=0.9, transform=place, clip_on=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import attrs
 
@@ -49,7 +50,7 @@ def first_failure(holds: Callable[[float], bool], ladder: Sequence[float], width
         If the ladder is empty, not above zero or not rising, or the width is not above zero.
     """
     rungs = list(ladder)
-    if not rungs or rungs[0] <= 0.0 or any(b <= a for a, b in zip(rungs, rungs[1:], strict=False)) or not width > 0.0:
+    if not rungs or rungs[0] <= 0.0 or any(b <= a for a, b in pairwise(rungs)) or not width > 0.0:
         raise ValueError(f"a ladder of rising values above zero and a width above zero are needed, got {rungs} and {width}")
     low: float | None = None
     tried = 0

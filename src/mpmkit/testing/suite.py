@@ -162,7 +162,9 @@ def _unique(entry: Entry) -> Callable[[], None]:
 def _of_class(cls: type[Component]) -> Iterator[Check]:
     try:
         made = list(variants(cls))
-    except Exception as error:  # noqa: BLE001  reported as a failed check
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001  reported as a failed check
         yield Check(cls, "examples construct", _failed(f"cannot build {cls.__name__} from the examples of its parameters: {error}", error))
         return
     yield Check(cls, "examples construct", lambda: None)
@@ -186,7 +188,9 @@ def _of_instances(cls: type[Component], made: list[tuple[str, Component]]) -> It
             try:
                 if not declared.applies(component):
                     continue
-            except Exception as error:  # noqa: BLE001  a property of the component that fails is reported; other checks go on
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:  # noqa: BLE001  a property of the component that fails is reported; other checks go on
                 yield Check(cls, name, _failed(f"{type(error).__name__}: {error}", error))
                 continue
             names.append(name)

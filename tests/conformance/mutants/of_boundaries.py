@@ -119,23 +119,23 @@ class Understated(PrescribedVelocity):
 
 
 @mpm.kernel
-def endless_at_first(v, normal, t):
-    k = 1e300 if t == 0.0 else 0.0
+def endless_at_the_wall(v, normal, x):
+    k = 1e300 if x[0] == 0.0 else 0.0
     v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
     return (v[0] - v_n * normal[0] + k, v[1] - v_n * normal[1], v[2] - v_n * normal[2])
 
 
 @mutant(SCENES[0], also=SCENES)
 @mpm.define
-class EndlessAtFirst(Symmetry):
-    """A velocity without end in the first step, v = 1e300."""
+class EndlessAtTheWall(Symmetry):
+    """A velocity without end at x = 0, v = 1e300."""
 
-    constrain = endless_at_first
+    constrain = endless_at_the_wall
 
 
 @mpm.kernel
-def kick(v, normal, t):
-    k = -0.1 if t == 0.0 else 0.0
+def kick(v, normal, x):
+    k = 0.1 if x[0] == 0.0 else 0.0
     v_n = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2] - k
     return (v[0] - v_n * normal[0], v[1] - v_n * normal[1], v[2] - v_n * normal[2])
 
@@ -143,6 +143,6 @@ def kick(v, normal, t):
 @mutant(SCENES[1])
 @mpm.define
 class Kicks(Symmetry):
-    """Kicks the body in the first step, v . n = -0.1."""
+    """Kicks the body at x = 0, v . n = 0.1."""
 
     constrain = kick

@@ -345,7 +345,7 @@ class WithoutReference(Soft):
 
 @mpm.kernel
 def counting_stress(F, kinetic, lam, mu):
-    return quadratic_stress.function(F, lam, mu), kinetic + 1.0
+    return quadratic_stress.function(F, lam, mu), kinetic
 
 
 @mutant("declared facts are known words", "results come back from a record")
@@ -354,7 +354,7 @@ class TakenName(Soft):
     """A state field with the name of a column of the history, W = W(F)."""
 
     rho: float = rho()
-    state = (mpm.Field("kinetic", doc="number of steps"),)
+    state = (mpm.Field("kinetic", doc="nothing"),)
     stress = counting_stress
 
 
@@ -469,14 +469,14 @@ class NotInOneDimension(Soft):
 
 @mpm.kernel
 def stress_of_a_thread(F, lam, mu):
-    here = 1.0 if threading.current_thread() is threading.main_thread() else 1.0 + 1e-9
+    here = 1.0 + 1e-9 if any(t.name.startswith("mpmkit-") for t in threading.enumerate()) else 1.0
     return scale(here, quadratic_stress.function(F, lam, mu))
 
 
 @mutant("one thread equals two")
 @mpm.define
 class Threaded(Soft):
-    """Knows which thread it is in, W = W(F)."""
+    """Knows whether there are threads, W = W(F)."""
 
     rho: float = rho()
     stress = stress_of_a_thread
@@ -488,7 +488,7 @@ class OnlyInScripts(Soft):
     """A parameter that no file can hold, W = W(F)."""
 
     rho: float = rho()
-    note: object = mpm.parameter("anything", default=frozenset({1}))
+    note: object = mpm.parameter("anything", default=None, example=frozenset({1}))
 
 
 # --- what is declared ----------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ import itertools
 
 import attrs
 from mpmkit_fem import FEM
-from mpmkit_integrators import MUSL, PIC
+from mpmkit_integrators import FLIP, MUSL, PIC
 from mutants import mutant
 
 import mpmkit as mpm
@@ -42,54 +42,42 @@ class Late(PIC):
 
 @mpm.kernel
 def bent(v, v_grid, dv_grid):
-    return v_grid + 0.01 * v_grid * (v + dv_grid - v_grid)
+    return v + dv_grid + 0.01 * v_grid * (v + dv_grid - v_grid)
 
 
-@mutant("is linear", also=("momentum is conserved",))
+@mutant("is linear", "momentum is conserved")
 @mpm.define
-class Bent(PIC):
+class Bent(FLIP):
     """Depends on the square of velocities, v = v + v (v - v) / 100."""
 
     velocity = bent
 
 
 @mpm.kernel
-def less_on_coarse_grids(v_grid, h):
-    return (0.999 if h > 0.2 else 1.0) * v_grid
+def less_in_flight(v, dv_grid):
+    return (0.999 if v - 0.8 < 1e-9 and 0.8 - v < 1e-9 and dv_grid < 1e-4 else 1.0) * (v + dv_grid)
 
 
-@mutant("free flight", also=("free fall",))
+@mutant("free flight")
 @mpm.define
-class LosingOnCoarseGrids(PIC):
-    """Loses velocity on coarse grids, v = 0.999 v."""
+class LosingInFlight(FLIP):
+    """Loses a velocity of 0.8 m/s without acceleration, v = 0.999 v."""
 
-    velocity = less_on_coarse_grids
+    velocity = less_in_flight
 
 
 @mpm.kernel
-def late_on_coarse_grids(v_grid, dv_grid, h):
-    return v_grid - (0.01 if h > 0.2 else 0.0) * dv_grid
+def late_at_first(v, dv_grid):
+    first = v - 0.8 < 1e-9 and 0.8 - v < 1e-9 and dv_grid > 1e-4
+    return v + (0.99 if first else 1.0) * dv_grid
 
 
 @mutant("free fall")
 @mpm.define
-class LateOnCoarseGrids(PIC):
-    """A part of gravity comes too late on coarse grids, v = v - dv / 100."""
+class LateAtFirst(FLIP):
+    """Takes up less of the first acceleration, v = v + 0.99 dv."""
 
-    velocity = late_on_coarse_grids
-
-
-@mpm.kernel
-def bent_in_short_steps(v, v_grid, dv_grid, dt):
-    return v_grid + (0.01 if dt < 9e-4 else 0.0) * v_grid * (v + dv_grid - v_grid)
-
-
-@mutant("momentum is conserved")
-@mpm.define
-class BentInShortSteps(PIC):
-    """Loses momentum in short steps, v = v + v (v - v) / 100."""
-
-    velocity = bent_in_short_steps
+    velocity = late_at_first
 
 
 @mutant(ANGULAR)
@@ -157,31 +145,32 @@ class Fickle(MUSL):
         s.stress()
 
 
-@mutant("free flight", also=("free fall",))
+@mutant("free flight")
 @mpm.define
 class LosingMUSL(MUSL):
-    """Loses velocity on coarse grids."""
+    """Loses velocity in free flight."""
 
     angular_momentum = False
-    transfer: mpm.Transfer = mpm.parameter("that loses", default=LosingOnCoarseGrids())
+    transfer: mpm.Transfer = mpm.parameter("that loses", default=LosingInFlight())
 
 
 @mutant("free fall")
 @mpm.define
 class LateMUSL(MUSL):
-    """Falls too slowly on coarse grids."""
+    """Falls too slowly at first."""
 
     angular_momentum = False
-    transfer: mpm.Transfer = mpm.parameter("that is late", default=LateOnCoarseGrids())
+    transfer: mpm.Transfer = mpm.parameter("that is late", default=LateAtFirst())
 
 
 @mutant("momentum is conserved")
 @mpm.define
 class BentMUSL(MUSL):
-    """Loses momentum in short steps."""
+    """Loses momentum where velocities differ."""
 
     angular_momentum = False
-    transfer: mpm.Transfer = mpm.parameter("that is bent", default=BentInShortSteps())
+    time_order = 0
+    transfer: mpm.Transfer = mpm.parameter("that is bent", default=Bent())
 
 
 @mutant(ANGULAR)
@@ -189,6 +178,7 @@ class BentMUSL(MUSL):
 class BoastingMUSL(MUSL):
     """Claims to conserve angular momentum."""
 
+    time_order = 0
     transfer: mpm.Transfer = mpm.parameter("that boasts", default=Boasting())
 
 
@@ -237,7 +227,7 @@ class SlowFEM(FEM):
         return attrs.evolve(points, v=0.999 * points.v)
 
 
-@mutant("free fall")
+@mutant("free fall", also=("free flight", "momentum is conserved"))
 @mpm.define
 class HeavyFEM(FEM):
     """Makes the momentum update twice."""

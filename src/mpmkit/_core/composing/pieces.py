@@ -202,10 +202,15 @@ def advect(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         return
     new = [f"x[{a}] + dt * {v_grid[a]}" for a in range(dim)]
     loop.line(f"x = ({', '.join(new + ['zero'] * (3 - dim))})")
+    kept = []
     for a in range(dim):
-        low, high = loop.along("lower", a), loop.along("upper", a)
-        loop.watch("inside", f"min(x[{a}] - {low}, {high} - x[{a}])", ">=")
+        low, high, slack = (loop.along(name, a) for name in ("lower", "upper", "slack"))
+        # What rounding has put outside is on the face; a wall lets particles come as near as that.
+        loop.line(f"room{a} = min(x[{a}] - {low}, {high} - x[{a}])")
+        loop.watch("inside", f"room{a} + {slack}", ">=")
         loop.maximum("moved", f"abs(dt * {v_grid[a]}) * {loop.along('inv_h', a)}")
+        kept.append(f"min(max(x[{a}], {low}), {high}) if room{a} >= -{slack} else x[{a}]")
+    loop.line(f"x = ({', '.join(kept + ['zero'] * (3 - dim))})")
     loop.store("x")
 
 

@@ -18,7 +18,6 @@ import numpy as np
 from mpmkit._core.running.paths import claim
 from mpmkit.errors import ResultsError
 
-
 CHECK = "check"
 """Name of the column with the checksums."""
 
@@ -185,7 +184,8 @@ def _header(path: Path) -> tuple[str, ...]:
     columns = tuple(next(csv.reader([first]), []))
     if not first.endswith("\n") or "step" not in columns or columns[-1] != CHECK:
         raise ResultsError(
-            f"{path} is not a history: its first line must name the columns, one of them 'step' and the last {CHECK!r}; found {first[:60]!r}"
+            f"{path} is not a history: its first line must name the columns, one of them 'step' and the last {CHECK!r}; "
+            f"found {first[:60]!r}"
         )
     return columns[:-1]
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from typing import Any
 
-from mpmkit._core.running.engine import Engine
+import numpy as np
+
+from mpmkit._core.running.engine import SPEED, Engine
 
 COLUMNS = (
     "step", "t", "dt", "mass", "momentum_x", "momentum_y", "momentum_z", "angular_x", "angular_y", "angular_z",
@@ -25,9 +25,12 @@ ROUNDING = 100.0
 class Ledger:
     """Rows of the history, and the relative energy balance since the start.
 
-    energy = kinetic + stored + dissipated; balance = (energy - energy at the start - works of external forces and
+    energy = kinetic + stored + dissipated; balance = (energy + left_energy - energy at the start - works of external forces and
     boundaries) / scale, where the scale is the largest energy or work seen so far, and no less than that of motions which are
-    rounding alone: a body at rest has no other. Dissipated energy is that of the materials, of artificial viscosity, of damping, and of friction at walls and in contact.
+    rounding alone: a body at rest has no other. Dissipated energy is that of the materials, of artificial viscosity, of damping, of
+    friction at walls and in contact, and of particles held at a face. Kinetic and stored energy, mass and momentum are those of the
+    particles that are there; what others have taken with them out of the domain is left_energy, left_mass and left_momentum. What these
+    had dissipated before stays in dissipated.
     """
 
     def __init__(self, engine: Engine) -> None:
@@ -61,7 +64,9 @@ class Ledger:
         dissipated = s["dissipated"] + s["viscous"] + s["effect_dissipation"] + s["friction"] + s["left_dissipated"]
         energy = s["kinetic"] + s["stored"] + dissipated
         work = s["external"] + s["boundary"]
-        return energy, work, dissipated, max(self.scale, abs(energy), abs(s["kinetic"]), abs(s["stored"]), abs(work))
+        rounding = ROUNDING * float(np.finfo(self.engine.dtype).eps) * float(self.engine.outs[:, SPEED].max())
+        least = 0.5 * s["mass"] * rounding**2
+        return energy, work, dissipated, max(self.scale, abs(energy), abs(s["kinetic"]), abs(s["stored"]), abs(work), least)
 
     def _balance(self, s: dict[str, float], energy: float, work: float, scale: float) -> float:
         assert self.first_energy is not None

@@ -12,6 +12,9 @@ AWAY = 20
 """A copy from fewer steps before the failure may be spoilt already; an older one is taken if there is one."""
 
 
+NUMBERS = ("level", "release", "hold", "steps")
+
+
 @attrs.frozen
 class Repeat:
     """One going back.
@@ -81,11 +84,13 @@ class Repeats:
 
     def facts(self) -> dict[str, Any]:
         """State as plain data."""
-        return {name: getattr(self, name) for name in ("level", "release", "hold", "steps")} | {"done": [attrs.asdict(r) for r in self.done]}
+        return {name: getattr(self, name) for name in ("level", "release", "hold", "steps")} | {
+            "done": [attrs.asdict(r) for r in self.done]
+        }
 
     def recall(self, facts: dict[str, Any]) -> None:
         """Take over what a checkpoint holds."""
-        for name in ("level", "release", "hold", "steps"):
+        for name in NUMBERS:
             setattr(self, name, facts[name])
         self.done = [Repeat(**one) for one in facts["done"]]
 

@@ -38,7 +38,9 @@ def check_ours(path: Path) -> None:
     except DAMAGED as error:
         raise damaged(path, error) from error
     if found != FORMAT:
-        raise ResultsError(f"{path} was written in format {found}, this mpmkit reads format {FORMAT}; read it with the version that wrote it")
+        raise ResultsError(
+            f"{path} was written in format {found}, this mpmkit reads format {FORMAT}; read it with the version that wrote it"
+        )
 
 
 def damaged(path: Path, error: BaseException) -> ResultsError:
@@ -52,4 +54,5 @@ def damaged(path: Path, error: BaseException) -> ResultsError:
 def plain(error: BaseException) -> str:
     """The reason without HDF5's words around it."""
     text = str(error).strip("'\"")
-    return text[text.find("(") + 1 : text.rfind(")")] if "(" in text and text.endswith(")") else text
+    inner = text[text.find("(") + 1 : text.rfind(")")] if "(" in text and text.endswith(")") else ""
+    return inner if any(c.isalpha() for c in inner) else text

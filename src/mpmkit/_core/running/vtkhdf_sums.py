@@ -1,8 +1,8 @@
 """Checksums of what a result file holds: a flipped bit must not become a number in somebody's plot.
 
 HDF5 could add checksums of its own only to data in filtered chunks, which an interrupted frame may not share with the one before. So
-each frame has a row of CRC-32 in ``/mpmkit/sums``: of its time, step, place and scalars, of its positions, and of each of its arrays. Texts have
-theirs as an attribute.
+each frame has a row of CRC-32 in ``/mpmkit/sums``: of its time, step, place and scalars, of its positions, and of each of its arrays.
+Texts have theirs as an attribute.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def names(layout: dict[str, Any]) -> list[str]:
 
 def of_array(array: np.ndarray) -> int:
     """Of the bytes of an array as stored."""
-    return zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8))
+    return zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
 
 
 def of_frame(floats: Any, whole: Any) -> int:

@@ -43,3 +43,9 @@ def pair(composition: Composition, grid: mpm.Grid, left: dict[str, Any], right: 
     if composition.contact is not None:
         sim += composition.contact
     return sim
+
+
+def drift(sim: mpm.Simulation, period: float) -> float:
+    """Mean energy in the last period over that in the first - 1: without the half step by which velocities lag."""
+    t, energy = sim.history["t"], sim.history["energy"]
+    return float(energy[t > t[-1] - period].mean() / energy[t <= period].mean() - 1.0)

@@ -31,7 +31,8 @@ def measure(composition: Composition, quick: bool) -> list[Figure]:
     among = run(block(composition, cells, True), until).particles("block")
     scales = {"x": 1.0, "v": WAVE, "F": 1.0, "stress": float(np.abs(alone["stress"]).max())}
     return [
-        Figure(f"{f}, difference", float(np.abs(among[f] - alone[f]).max() / scale), rounding(composition, 1e-12)) for f, scale in scales.items()
+        Figure(f"{f}, difference", float(np.abs(among[f] - alone[f]).max() / scale), rounding(composition, 1e-12))
+        for f, scale in scales.items()
     ]
 
 

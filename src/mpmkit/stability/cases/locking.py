@@ -16,7 +16,8 @@ CASES = (
     Case(
         name="cooks-membrane",
         title="Cook's membrane with nu = 0.4999",
-        failure="With one volume constraint for each particle there are more constraints than degrees of freedom: the membrane is locked to "
+        failure="With one volume constraint for each particle there are more constraints than degrees of freedom: the membrane is locked "
+        "to "
         "less than 70 % of its deflection, and the pressure is a checkerboard.",
         criterion="Plane strain, E = 240.565, nu = 0.4999, load 100: deflection at (48, 52) within 5 % of 7.69 with 32 cells on the loaded "
         "side, pressures of neighbours within 20 % of the mean.",

@@ -55,9 +55,11 @@ def measure(composition: Composition, quick: bool) -> list[Figure]:
 CASE = Case(
     name="on-a-face",
     title="Particles exactly on a face of the domain, one rounding error inside it, and one outside",
-    failure="The cell of a particle on the upper face is one that does not exist; a particle that a wall holds on its face is outside after "
+    failure="The cell of a particle on the upper face is one that does not exist; a particle that a wall holds on its face is outside "
+    "after "
     "one more rounding, and stops a run of hours, or is lost.",
-    criterion="On either face, and by one rounding error beside it: a particle slides along for 4 cells, its distance, way and stress exact to "
+    criterion="On either face, and by one rounding error beside it: a particle slides along for 4 cells, its distance, way and stress "
+    "exact to "
     "1e-12. Pressed into the upper corner for 10^4 steps, it stays inside to 1e-12.",
     source="Newton's first law; thread 80 of geomechanics/mpm, where particles left by rounding",
     dim=2,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 import mpmkit as mpm
@@ -15,7 +17,7 @@ EXACT = Interface(Z1=impedance(MODULUS, RHO), Z2=impedance(STIFFNESS * MODULUS, 
 ROUND_TRIP = 2.0 * LENGTH / (WAVE * np.sqrt(STIFFNESS / DENSITY))
 
 
-def stress(age: np.ndarray) -> np.ndarray:
+def stress(age: Any) -> Any:
     """Stress [Pa] at the contact so long after the impact: less by the factor R whenever the wave in the stiff bar has come back."""
     return EXACT.impact_stress(SPEED * WAVE, 0.0) * EXACT.reflection ** np.floor(age / ROUND_TRIP)
 

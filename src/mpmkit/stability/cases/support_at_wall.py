@@ -38,9 +38,11 @@ def measure(composition: Composition, quick: bool) -> list[Figure]:
 CASE = Case(
     name="support-at-wall",
     title="A block under uniform pressure fills the domain from wall to wall",
-    failure="Shape functions wider than a cell reach behind the wall. If what lies there is cut off, or their sums are scaled, the gradients "
+    failure="Shape functions wider than a cell reach behind the wall. If what lies there is cut off, or their sums are scaled, the "
+    "gradients "
     "of the nodes next to the wall do not add up to zero, and a uniform pressure pushes the particles off the wall.",
-    criterion="With 1, 4, 9 and 16 particles in a cell, after 100 steps: no velocity above 1e-12 of the wave speed, stress unchanged to 1e-12.",
+    criterion="With 1, 4, 9 and 16 particles in a cell, after 100 steps: no velocity above 1e-12 of the wave speed, stress unchanged to "
+    "1e-12.",
     source="Equilibrium; thread 738 of cb-geo/mpm, in which GIMP fails at a boundary",
     dim=2,
     measure=measure,

@@ -9,7 +9,7 @@ import numpy as np
 
 import mpmkit as mpm
 from mpmkit.stability.case import Case, Composition, Figure
-from mpmkit.stability.cases._disks import GLANCING, R, SPEED, disks, same
+from mpmkit.stability.cases._disks import GLANCING, SPEED, R, disks, same
 from mpmkit.stability.cases._tools import rounding, run
 
 UNTIL = 3.5

@@ -66,7 +66,8 @@ CASES = (
         title="A particle at a hundred times its wave speed meets a wall of no thickness",
         failure="A particle that moves by more than a cell in a step never sees the nodes of the wall.",
         criterion="With cfl = 1, the largest steps there are, and starts all over a cell: no particle is ever behind the wall.",
-        source="A particle moves by less than a cell in a step, and the nodes of the face are those of the last cell. Thread 600 of Genesis, "
+        source="A particle moves by less than a cell in a step, and the nodes of the face are those of the last cell. Thread 600 of "
+        "Genesis, "
         "in which particles pass a rigid box",
         dim=1,
         measure=wall,
@@ -76,7 +77,8 @@ CASES = (
         title="A projectile meets a heavy plate of one layer of particles",
         failure="The normal of a plate that is thinner than a cell is a difference of two gradients that cancel; once the projectile's "
         "middle is behind the plate's, contact pushes it out on the wrong side.",
-        criterion="At the wave speed of rubber a hundred times softer, from starts all over a cell: no particle gets behind the plate's middle; "
+        criterion="At the wave speed of rubber a hundred times softer, from starts all over a cell: no particle gets behind the plate's "
+        "middle; "
         "momentum to rounding.",
         source="Impenetrability; thread 600 of Genesis",
         dim=1,

@@ -11,7 +11,7 @@ from mpmkit.stability.case import Case, Composition, Figure
 from mpmkit.stability.cases._disks import GLANCING, disks
 from mpmkit.stability.cases._tools import run
 
-UNTIL = 3.5
+UNTIL = 3.0
 
 
 def cores() -> int:
@@ -24,7 +24,7 @@ def cores() -> int:
 def measure(composition: Composition, quick: bool) -> list[Figure]:
     """Two disks glance off each other, once with one thread and once with as many as there are cores."""
     h = 1 / 16 if quick else 1 / 32
-    grid = mpm.Grid((0.0, 0.0), (1.0, 1.0), h)
+    grid = mpm.Grid((-1.0, -1.0), (1.0, 1.0), h)
     one, many = run(disks(composition, grid, h, GLANCING), UNTIL), disks(composition, grid, h, GLANCING)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
@@ -38,7 +38,8 @@ def measure(composition: Composition, quick: bool) -> list[Figure]:
 CASE = Case(
     name="threads",
     title="Two disks glance off each other, with one thread and with all",
-    failure="Sums in the order in which threads happen to finish differ by rounding, and after an impact by anything: no run can be repeated.",
+    failure="Sums in the order in which threads happen to finish differ by rounding, and after an impact by anything: no run can be "
+    "repeated.",
     criterion="Every number of every particle and of the history is the same to the bit.",
     source="Same input, same result",
     dim=2,

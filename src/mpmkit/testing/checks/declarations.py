@@ -57,10 +57,11 @@ def bad_values_are_refused(component: Component, rng: Any) -> None:
 
 @check("all", "repr rebuilds it")
 def repr_rebuilds_it(component: Component, rng: Any) -> None:
-    """``eval(repr(component)) == component``."""
+    """``eval(repr(component)) == component``, with the names of all registered components and of those it is made of."""
     from mpmkit._core.registry import registry
 
-    names = {e.name: e.component for e in registry().entries} | {type(component).__name__: type(component)}
+    own = [component, *(value for value in component.parameters().values() if isinstance(value, Component))]
+    names = {e.name: e.component for e in registry().entries} | {type(one).__name__: type(one) for one in own}
     text = repr(component)
     expect(eval(text, names) == component, f"{text} does not rebuild an equal component")
 

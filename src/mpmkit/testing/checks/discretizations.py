@@ -40,7 +40,7 @@ def stored_operators_are_consistent(discretization: Discretization, rng: Any) ->
     weights add up to 1 and interpolate places, gradients add up to 0 and differentiate places to the identity.
 
     Tolerance (rounding): 1e-12 of sizes of the body. The body is left as it was.
-    """  # noqa: D205  (one sentence)
+    """
     name = type(discretization).__name__
     for space in discretization.spaces:
         sim = scene(discretization, space)

@@ -35,9 +35,9 @@ def linear_field_at_every_boundary(shape: ShapeFunction, rng: Any) -> None:
     b = np.array([2.0, -3.0, 1.0])[:dim] - A @ low
     velocity = tuple(" + ".join([repr(float(b[a])), *(f"({float(A[a, k])!r})*{'xyz'[k]}" for k in range(dim))]) for a in range(dim))
     with plain_python():
-        grid = mpm.Grid(tuple(low), tuple(low + 1.0), 0.25, coordinates="axisymmetric" if space == "axisymmetric" else "cartesian")
+        grid = mpm.Grid(tuple(low), tuple(low + 2.0), 0.5, coordinates="axisymmetric" if space == "axisymmetric" else "cartesian")
         sim = mpm.Simulation(grid, shape, integrators.MUSL(dt=DT))
-        sim += mpm.Body(mpm.Box(tuple(low), tuple(low + 1.0)), rubber(), velocity, particles_per_cell=2**dim if dim < 3 else 1)
+        sim += mpm.Body(mpm.Box(tuple(low), tuple(low + 2.0)), rubber(), velocity, particles_per_cell=2**dim if dim < 3 else 1)
         sim += boundaries.PrescribedVelocity(velocity, region=mpm.Box((-9.0,) * dim, (9.0,) * dim))
         first = sim.particles()["x"]
         sim.run(until=DT, quiet=True, threads=1)
