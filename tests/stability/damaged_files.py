@@ -118,6 +118,8 @@ def judge(read: Callable[[Path], dict[str, Any]], path: Path, good: dict[str, An
         text = str(error)
         clear = path.name.split(".")[0] in text and len(text) < 1500
         return ("refused", text) if clear else ("fault", f"an unclear message: {text[:300]}")
+    except KeyboardInterrupt:
+        raise
     except BaseException as error:  # noqa: BLE001  that is what is looked for
         return "fault", f"{type(error).__name__}: {error}"
     return ("fault", f"{differs} is wrong, and nobody said so") if differs else ("same", "")

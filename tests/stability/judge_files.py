@@ -74,6 +74,8 @@ def judge(path: Path, *, seconds: float = SECONDS) -> Outcome:
         return Outcome("fault", f"{wrong}: {error}", stage) if wrong else Outcome("refused", f"{type(error).__name__}: {error}", stage)
     except TooLong:
         return Outcome("fault", f"takes longer than {seconds:g} s", stage)
+    except KeyboardInterrupt:
+        raise
     except RecursionError as error:
         return Outcome("fault", f"RecursionError: {error}", stage)
     except BaseException as error:  # noqa: BLE001  that is what is looked for

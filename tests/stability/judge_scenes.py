@@ -50,6 +50,8 @@ def judge(mild: bool, scene: dict[str, Any], *, seconds: float = SECONDS) -> Out
         try:
             with within(seconds):
                 return _judge(mild, tomli_w.dumps(scene))
+        except KeyboardInterrupt:
+            raise
         except TooLong:
             return Outcome("fault", f"takes longer than {seconds:g} s")
         except BaseException as error:  # noqa: BLE001  that is what is looked for

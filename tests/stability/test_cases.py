@@ -40,3 +40,16 @@ def test_the_default_composition_holds_in_slow_quick_runs(case):
 @pytest.mark.parametrize("case", cases().values(), ids=cases())
 def test_the_default_composition_holds(case):
     held(case, quick=False)
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("transfer", ["APIC", "TPIC"])
+@pytest.mark.parametrize("name", ["tiny-mass", "vibrating-bar"])
+def test_what_the_strain_does_not_see_the_affine_matrix_does_not_carry(name, transfer):
+    """USL limits velocities at light nodes: a matrix formed from the others made energy out of gradients that no stress resists."""
+    from mpmkit import integrators
+
+    axes = compositions.registered()
+    composition = axes.one(None, integrators.USL(), getattr(integrators, transfer)())
+    verdict = judge(cases()[name], compositions.applied(cases()[name], composition), quick=True)
+    assert verdict.status == "holds", verdict.reason

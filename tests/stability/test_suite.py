@@ -219,8 +219,8 @@ def test_explain_and_runs_warn_of_what_is_unstable():
 def test_explain_notes_what_is_inaccurate():
     with plain_python():
         assert "note: strain='first-order' updates F" in str(composed(QuadraticBSpline(), MUSL(strain="first-order")).explain())
-        assert "note:" not in str(composed(QuadraticBSpline(), MUSL(strain="midpoint")).explain())
-        assert "note:" not in str(composed(QuadraticBSpline(), MUSL(strain="first-order"), dim=1).explain())  # nothing can turn
+        assert "note: strain" not in str(composed(QuadraticBSpline(), MUSL(strain="midpoint")).explain())
+        assert "note: strain" not in str(composed(QuadraticBSpline(), MUSL(strain="first-order"), dim=1).explain())  # nothing can turn
 
 
 def test_explanations_name_cases_that_exist():

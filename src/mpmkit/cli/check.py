@@ -27,7 +27,9 @@ TIMEOUT = 120.0
     metavar="SECONDS",
     help="Longest time for one check; one that hangs is killed and counts as failed.",
 )
-@click.option("--jobs", type=click.IntRange(min=1), default=None, metavar="N", help="Plugins checked at a time; one for each core if not given.")
+@click.option(
+    "--jobs", type=click.IntRange(min=1), default=None, metavar="N", help="Plugins checked at a time; one for each core if not given."
+)
 def check(plugins: tuple[str, ...], everything: bool, as_json: bool, verbose: bool, timeout: float, jobs: int | None) -> None:
     """Run the conformance checks on each component of the PLUGINs (entry points, distributions or components; all if none is named).
 
@@ -88,9 +90,7 @@ def show(results: list[dict[str, Any]], *, verbose: bool = False) -> None:
     for (plugin, component, kind), rows in groups.items():
         failed, known = sum(not r["passed"] for r in rows), sum(r["passed"] and r["known"] for r in rows)
         seconds = sum(r["seconds"] for r in rows)
-        table.append(
-            (component, kind, plugin, str(len(rows) - failed - known), str(failed or ""), str(known or ""), f"{seconds:.1f} s")
-        )
+        table.append((component, kind, plugin, str(len(rows) - failed - known), str(failed or ""), str(known or ""), f"{seconds:.1f} s"))
     print_table(("component", "kind", "plugin", "passed", "failed", "known failures", "time"), table)
     click.echo()
     for (_, component, _), rows in groups.items():

@@ -59,6 +59,10 @@ class ConstitutiveModel(Component):
 
     @classmethod
     def capabilities(cls) -> dict[str, object]:
-        more: dict[str, object] = {"finite strain": cls.finite_strain, "energy": cls.energy is not None, "uniaxial stress": cls.bar_stress is not None}
+        more: dict[str, object] = {
+            "finite strain": cls.finite_strain,
+            "energy": cls.energy is not None,
+            "uniaxial stress": cls.bar_stress is not None,
+        }
         more["stretches"] = list(cls.stretches)
         return super().capabilities() | more

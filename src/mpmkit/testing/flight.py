@@ -20,11 +20,12 @@ def law() -> ConstitutiveModel:
     """Of the body."""
     from mpmkit.materials import NeoHookean
 
-    return NeoHookean(E=E, nu=0.3, rho=1000.0)
+    made: ConstitutiveModel = NeoHookean(E=E, nu=0.3, rho=1000.0)
+    return made
 
 
 def flight(g: tuple[float, float] | None = None, **choices: Any) -> Any:
-    """Results of a flight of 0.2 s through 1 m^2, under gravity if `g` is given; `choices` as of `Simulation`, MUSL with B-splines if none."""
+    """Results of a flight of 0.2 s, under gravity if `g` is given; `choices` as of `Simulation`, MUSL with B-splines if none."""
     import mpmkit as mpm
     from mpmkit import effects, integrators, shapes
 

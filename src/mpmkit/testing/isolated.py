@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -135,20 +136,14 @@ def _wait(child: subprocess.Popen[bytes], path: Path, timeout: float, stop: thre
 
 def _kill(child: subprocess.Popen[bytes]) -> None:
     """End the child and the processes it has started, which share its process group."""
-    try:
+    with contextlib.suppress(ProcessLookupError):
         os.killpg(child.pid, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
     child.wait()
 
 
 def _lines(path: Path) -> list[dict[str, Any]]:
     """What the child wrote; a line that was cut short is left out."""
-    found = []
-    for line in path.read_text(encoding="utf-8").splitlines(keepends=True):
-        if line.endswith("\n"):
-            found.append(json.loads(line))
-    return found
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines(keepends=True) if line.endswith("\n")]
 
 
 def _signal_name(number: int) -> str:

@@ -71,7 +71,8 @@ def rubber(speed: float = 0.0) -> ConstitutiveModel:
     """An elastic law whose waves are fifty times faster than `speed`."""
     from mpmkit.materials import NeoHookean
 
-    return NeoHookean(E=DENSITY * (50.0 * max(speed, 1.0)) ** 2, nu=0.3, rho=DENSITY)
+    made: ConstitutiveModel = NeoHookean(E=DENSITY * (50.0 * max(speed, 1.0)) ** 2, nu=0.3, rho=DENSITY)
+    return made
 
 
 def wave_speed(material: ConstitutiveModel) -> float:

@@ -3,9 +3,9 @@
 import attrs
 from mpmkit_boundaries import PrescribedVelocity, Symmetry, TractionLayer
 from mpmkit_boundaries.wall import stick
-from mutants import mutant
 
 import mpmkit as mpm
+from mutants import mutant
 
 SCENES = ("impulses are booked", "a wall at rest does no work")
 

@@ -2,9 +2,9 @@
 
 from mpmkit_contacts import FrictionalContact
 from mpmkit_contacts.frictional import coulomb_impulse
-from mutants import EVERYTHING, mutant
 
 import mpmkit as mpm
+from mutants import EVERYTHING, mutant
 
 SCENES = ("a collision conserves momentum", "bodies in another order", "the kernel sees unit normals and finite gaps")
 

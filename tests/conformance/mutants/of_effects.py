@@ -5,13 +5,19 @@ import itertools
 from mpmkit_effects import ArtificialViscosity, Damping, Gravity
 from mpmkit_effects.artificial_viscosity import shock_pressure
 from mpmkit_effects.damping import drag
-from mutants import mutant
 
 import mpmkit as mpm
 from mpmkit.math import log
 from mpmkit.testing import scenes
+from mutants import mutant
 
-SCENES = ("acts", "impulses are booked", "inner forces keep momentum", "dissipation never decreases", "a scene without it knows nothing of it")
+SCENES = (
+    "acts",
+    "impulses are booked",
+    "inner forces keep momentum",
+    "dissipation never decreases",
+    "a scene without it knows nothing of it",
+)
 
 
 @mutant("supplies a hook", also=("acts",))

@@ -9,11 +9,11 @@ from mpmkit_materials.neo_hookean import quadratic_energy, quadratic_stress, qua
 from mpmkit_materials.newtonian_fluid import fluid_diffusivity
 from mpmkit_materials.rate_form import rate_energy
 from mpmkit_materials.von_mises import plastic_work
-from mutants import EVERYTHING, mutant
 
 import mpmkit as mpm
 from mpmkit.math import log, sin
 from mpmkit.tensor import scale, von_mises
+from mutants import EVERYTHING, mutant
 
 WAVES = "wave speed bounds the acoustic tensor"
 

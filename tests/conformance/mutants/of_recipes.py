@@ -5,9 +5,9 @@ import itertools
 import attrs
 from mpmkit_fem import FEM
 from mpmkit_integrators import FLIP, MUSL, PIC
-from mutants import mutant
 
 import mpmkit as mpm
+from mutants import mutant
 
 FLIGHTS = ("free flight", "free fall")
 ANGULAR = "angular momentum is conserved where claimed"

@@ -3,10 +3,10 @@
 from mpmkit_shapes import Linear, QuadraticBSpline
 from mpmkit_shapes.bsplines import quadratic_weights
 from mpmkit_shapes.linear import tent_weights
-from mutants import mutant
 
 import mpmkit as mpm
 from mpmkit.math import cos, sin
+from mutants import mutant
 
 SCENES = ("linear field at every boundary", "momentum is conserved", "free flight")
 PI = 3.141592653589793

@@ -44,7 +44,16 @@ def check(c: Composition) -> list[str]:
         _check_stored(c)
     if getattr(c.integrator, "mass", "lumped") == "consistent":
         _check_consistent(c)
-    return cautions.warnings(c) + limits.warnings(c)
+    return cautions.warnings(c) + limits.warnings(c) + _negative_weights(c)
+
+
+def _negative_weights(c: Composition) -> list[str]:
+    if c.shape is None or c.shape.positive:
+        return []
+    return [
+        f"{type(c.shape).__name__} has negative weights: nodes at the edge of a body are left with no mass, or less than none, and their "
+        "momentum is lost. To fix: a shape function with positive weights, such as QuadraticBSpline"
+    ]
 
 
 def _all(c: Composition) -> list[Component]:

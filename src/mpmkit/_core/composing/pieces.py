@@ -138,6 +138,8 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
             loop.summed("v_smooth", "w")
         if external:
             loop.field("v"), loop.field("m"), loop.summed("f_ext", "w")
+            if affine != "none":
+                loop.field("C"), loop.summed("f_ext", "k" if by_moment else "g")
         if by_moment:
             loop.summed(source, "w")
         if affine != "none":
@@ -145,6 +147,8 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         return
     if external:
         loop.line("v_before = v")
+        if affine != "none":
+            loop.line("C_before = C")
     if transfer is None:
         loop.line(f"v = ({', '.join(v_grid + ['zero'] * (3 - dim))})")
     else:
@@ -160,6 +164,12 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
             loop.store("C")
     if external:
         power = " + ".join(f"f_ext_w{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
+        if affine != "none":  # and on the affine part of the motion, whose kinetic energy is in the ledger too
+            second_moments(loop)
+            given, h = affine_matrix(loop, "f_ext", by_moment), [loop.along("h", b) for b in range(dim)]
+            for a in range(dim):
+                for b in range(dim):
+                    power += f" + {given[dim * a + b]} * (C_before[{3 * a + b}] + C[{3 * a + b}]) * (D{b} * {h[b]} * {h[b]})"
         loop.total("external", f"T(0.5) * m * ({power})")
     loop.store("v")
 

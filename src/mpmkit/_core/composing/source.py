@@ -64,9 +64,10 @@ def _of_grid(quantity: str, axis: int, roles: dict[str, Any]) -> float:
 
 
 def _slack(axis: int, precision: str, roles: dict[str, Any]) -> float:
-    """How far outside the domain [m] a particle may have got by rounding: 1e-9 of a cell, as for `Grid.contains`, or 4 last digits.
+    """How far outside the domain [m] a particle may have got by rounding.
 
-    Zero at an axis of revolution, on which no particle can lie.
+    As near to a face as the square root of the last digit, in cells, a particle has the weights at that distance (`face`), with which it
+    may pass the face. Zero at an axis of revolution, on which no particle can lie.
     """
     import numpy as np
 
@@ -74,7 +75,8 @@ def _slack(axis: int, precision: str, roles: dict[str, Any]) -> float:
     if axis == 0 and grid.space == "axisymmetric" and grid.lower[0] == 0.0:
         return 0.0
     farthest = max(abs(grid.lower[axis]), abs(grid.upper[axis]))
-    return float(max(1e-9 * grid.spacing[axis], 4.0 * np.finfo(precision).eps * farthest))
+    eps = float(np.finfo(precision).eps)
+    return float(max(eps**0.5 * grid.spacing[axis], 4.0 * eps * farthest))
 
 
 def _component_of(role: str, name: str, k: int, roles: dict[str, Any]) -> float:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 CREATED_WARN, CREATED_STOP = 0.05, 0.5
 EARLY, EARLY_STOP = 100, 0.8
 """In so many steps a sudden load may show a large share of the little energy that there is yet: velocities lag by half a step. What is
-stopped then is four times as much energy as there was and was put in."""
+stopped then is four times as much energy as there was and was put in, at two looks of which the second is no better than the first."""
 FIRST, OFTEN, FASTER = 20, 10, 2.0
 """Energies are looked at after each of the first steps, then after so many, and when the fastest signal has become faster by this factor
 since the last look; whatever rows the history has."""
@@ -33,6 +33,7 @@ class EnergyAlarm:
     def __init__(self) -> None:
         self.warned = False
         self._fastest = 0.0
+        self._before = 0.0  # balance at the last look, if it was suspicious
 
     def start(self, engine: Engine) -> None:
         """Before the first step."""
@@ -41,7 +42,7 @@ class EnergyAlarm:
     def due(self, engine: Engine) -> bool:
         """Whether the energies should be looked at after this step."""
         step = engine.step_number
-        return step <= FIRST or step % OFTEN == 0 or float(engine.outs[:, SPEED].max()) > FASTER * self._fastest
+        return bool(self._before) or step <= FIRST or step % OFTEN == 0 or float(engine.outs[:, SPEED].max()) > FASTER * self._fastest
 
     def look(self, engine: Engine, balance: float, rule: str) -> None:
         """Compare the balance with what is allowed.
@@ -53,7 +54,10 @@ class EnergyAlarm:
         """
         self._fastest = float(engine.outs[:, SPEED].max())
         early = engine.step_number < EARLY
-        if not balance < (EARLY_STOP if early else CREATED_STOP):
+        before, self._before = self._before, 0.0
+        if early and balance >= EARLY_STOP and not (before and balance >= before):
+            self._before = balance
+        elif not balance < (EARLY_STOP if early else CREATED_STOP):
             raise StabilityError(
                 f"energy was created: {balance:.3g} times the largest energy of the run, at step {engine.step_number}, t = "
                 f"{engine.t:.6g} s; fastest is {_fastest(engine)} (time step limited by {rule}). To fix: {_remedy(engine)}; see the "
@@ -70,11 +74,11 @@ class EnergyAlarm:
 
     def facts(self) -> dict[str, Any]:
         """State as plain data."""
-        return {"warned": self.warned, "fastest": self._fastest}
+        return {"warned": self.warned, "fastest": self._fastest, "before": self._before}
 
     def recall(self, facts: dict[str, Any]) -> None:
         """Go back to this state; what was warned of once is not warned of again."""
-        self.warned, self._fastest = self.warned or facts["warned"], facts["fastest"]
+        self.warned, self._fastest, self._before = self.warned or facts["warned"], facts["fastest"], facts["before"]
 
 
 def _remedy(engine: Engine) -> str:

@@ -50,7 +50,7 @@ def over_nodes(e: Engine, k: int, phase: Phase) -> Step:
     """A loop over the blocks of nodes of a field."""
     field, function = e.fields[k], getattr(e.module, phase.name)
     more = (e.dtype(phase.number),) if phase.name.startswith("filter") else ()
-    arguments = (field.G, field.n_nodes, where(e, field), *more, e.node_par, e.node_work[k])
+    arguments = (field.G, field.n_nodes, where(e, field), *more, e.field_par[k], e.node_work[k])
     parts = _parts(field.active, e.team.size)
 
     def run(t: Any, dt: Any) -> None:

@@ -121,14 +121,21 @@ class Engine:
     def _parameters(self) -> None:
         c, plan, stores = self.c, self.plan, self.stores
         particle_mass = min(float(s.get("m").min()) for s in stores)
-        mean_mass = float(np.mean([s.get("m").mean() for s in stores]))
+        mean_masses = [float(s.get("m").mean()) for s in stores]
         self.m_small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
-        roles = c.roles() | {"m_limit": c.fraction * mean_mass, "m_light": 0.5 * mean_mass, "grid": c.grid, "m_small": self.m_small}
+        roles = c.roles() | {"grid": c.grid, "m_small": self.m_small} | self._light(float(np.mean(mean_masses)))
         self.node_par = plan.node_parameters.values(roles, self.dtype)
+        # What is a light node of a heavy body may be a full one of a light body: with a field for each body, each has its own measure.
+        own = mean_masses if c.contact is not None else []
+        self.field_par = [plan.node_parameters.values(roles | self._light(m), self.dtype) for m in own] or [self.node_par]
         self.body_par = [
             plan.group_parameters[s.group.name].values(roles | {"material": body.material}, self.dtype)
             for s, body in zip(stores, c.sim.bodies, strict=True)
         ]
+
+    def _light(self, mass: float) -> dict[str, float]:
+        """Masses of nodes that count as light, where a particle has this mass."""
+        return {"m_limit": self.c.fraction * mass, "m_light": 0.5 * mass}
 
     def _scratch(self) -> tuple[Any, ...]:
         """Arrays that one thread works in: rows of lanes, the same by particle, first nodes, arenas to read and to add to."""

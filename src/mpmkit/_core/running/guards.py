@@ -44,6 +44,11 @@ def wrong(engine: Engine, body: int, flag: str) -> Any:
     return ~(size * stretch / np.asarray(engine.c.grid.spacing) <= shape.max_half).all(axis=1)
 
 
+def jumped(engine: Engine, body: int) -> bool:
+    """Whether a particle has moved by more than a cell in the last step: no time step allows that, so this is no flight."""
+    return not engine.c.stored_operator and not engine.places.pace[body] <= 1.0
+
+
 def _explain(engine: Engine) -> None:
     body = int(np.argmax(engine.flags.any(axis=1)))
     store = engine.stores[body]
@@ -55,7 +60,12 @@ def _explain(engine: Engine) -> None:
         raise _failed(engine, body, p, "position or velocity is not a number (NaN)", _cfl(engine), shorter=True)
     if flag == "inside":
         grid = engine.c.grid
-        what = f"it left the domain: x = {_text(x)} m is outside {_text(grid.lower)} to {_text(grid.upper)}"
+        where = f"x = {_text(x)} m is outside {_text(grid.lower)} to {_text(grid.upper)}"
+        if jumped(engine, body):
+            cells = engine.places.pace[body]
+            what = f"it left the domain in a step in which a particle of the body moved by {cells:.3g} cells: {where}"
+            raise _failed(engine, body, p, what, _cfl(engine), shorter=True)
+        what = f"it left the domain: {where}"
         fix = 'enlarge the grid, put a Wall or Symmetry on that face, or choose Simulation(leaving="remove") or "clamp"'
         raise _failed(engine, body, p, what, fix)
     if flag == "stretched":

@@ -37,8 +37,8 @@ def act(engine: Engine, leaving: str) -> list[Row]:
     engine : Engine
         After a step.
     leaving : str
-        "stop" (nothing is done here, the guards stop the run), "remove" or "clamp". Particles that are not a number stop the run in any
-        case.
+        "stop" (nothing is done here, the guards stop the run), "remove" or "clamp". Particles that are not a number, or have been
+        thrown out by more than a cell in one step, are left to the guards in any case.
 
     Returns
     -------
@@ -49,6 +49,8 @@ def act(engine: Engine, leaving: str) -> list[Row]:
     if leaving == "stop" or not engine.flags[:, OUTSIDE].any():
         return rows
     for k in np.flatnonzero(engine.flags[:, OUTSIDE]).tolist():
+        if guards.jumped(engine, k):
+            continue
         places = _outside(engine, k)
         store = engine.stores[k]
         if not places.size or not (np.isfinite(store.columns("x", places)).all() and np.isfinite(store.columns("v", places)).all()):

@@ -35,7 +35,8 @@ def twin(sim: Simulation, threads: int, leave_out: Place | None = None) -> Run:
     """
     from mpmkit._core.running.loop import Run
 
-    other = type(sim)(sim.grid, sim.shape, sim.integrator, discretization=sim.discretization, precision=sim.precision)
+    method = {"discretization": sim.discretization, "precision": sim.precision, "leaving": sim.leaving}
+    other = type(sim)(sim.grid, sim.shape, sim.integrator, **method)
     for kind in ("bodies", "boundaries", "contacts", "effects"):
         getattr(other, kind)[:] = [part for k, part in enumerate(getattr(sim, kind)) if (kind, k) != leave_out]
     run = Run(other)

@@ -8,9 +8,8 @@ import numpy as np
 
 import mpmkit as mpm
 from mpmkit.stability.case import Composition, simulation
-from mpmkit.stability.cases._tools import wave_speed
 
-CELLS, PULL = 10, 0.1  # cells of the bar at the start; velocity of the end over the wave speed
+CELLS = 10  # of the bar at the start
 E, NU, RHO = 1000.0, 0.3, 1.0
 
 
@@ -31,8 +30,8 @@ def stress(stretch: float) -> float:
     return 0.5 * modulus() * (stretch - 1.0 / stretch)
 
 
-def driven(composition: Composition, particles: int, largest: float) -> tuple[mpm.Simulation, float]:
-    """Bar 0 <= x <= `CELLS` that is stretched up to `largest`, and the velocity of its end.
+def driven(composition: Composition, particles: int, largest: float, pull: float) -> tuple[mpm.Simulation, float]:
+    """Bar 0 <= x <= `CELLS` that is stretched up to `largest` at `pull` wave speeds, and the velocity of its end.
 
     All particles start with v = V X / L; the plane x = 0 is held, and nodes in the last cell before the moving end and beyond it have the
     same field, v = V x / (L + V t).
@@ -41,7 +40,7 @@ def driven(composition: Composition, particles: int, largest: float) -> tuple[mp
 
     L = float(CELLS)
     grid = mpm.Grid(0.0, np.ceil(largest * L) + 6.0, 1.0)
-    V = PULL * wave_speed(rubber(), grid, composition)
+    V = pull * float(np.sqrt(modulus() / RHO))
     sim = simulation(composition, grid)
     sim += mpm.Body(mpm.Box(0.0, L), rubber(), v=lambda X: V / L * X, particles_per_cell=particles, name="bar")
     sim += Symmetry("xmin")

@@ -35,6 +35,12 @@ def fixed(composition: Composition, dt: float) -> Composition:
     return attrs.evolve(composition, integrator=attrs.evolve(composition.integrator, dt=dt))
 
 
+def at_most(composition: Composition, cfl: float) -> Composition:
+    """The same composition with no longer steps than this Courant number."""
+    integrator = composition.integrator
+    return attrs.evolve(composition, integrator=attrs.evolve(integrator, cfl=min(cfl, integrator.cfl)))
+
+
 def step(composition: Composition, h: float, speed: float) -> float:
     """The time step that the composition's own rule would take at this largest speed, c + |v|."""
     return composition.integrator.cfl * h / speed

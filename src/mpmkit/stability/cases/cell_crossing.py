@@ -48,7 +48,11 @@ def limit(shape: ShapeFunction, spacing: float) -> float:
 def measure(composition: Composition, quick: bool) -> list[Figure]:
     """Largest force over 400 offsets of the particles, at three spacings."""
     return [
-        Figure(f"nodal force / stress, {n:g} particles in a cell", float(np.abs(nodal_forces(composition, 1 / n)).max()), limit(composition.shape, 1 / n))
+        Figure(
+            f"nodal force / stress, {n:g} particles in a cell",
+            float(np.abs(nodal_forces(composition, 1 / n)).max()),
+            limit(composition.shape, 1 / n),
+        )
         for n in SPACINGS
     ]
 

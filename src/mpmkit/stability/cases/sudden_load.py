@@ -40,8 +40,8 @@ def measure(composition: Composition, quick: bool) -> list[Figure]:
 CASE = Case(
     name="sudden-load",
     title="Gravity is switched on under a column at rest",
-    failure="A load in full from the first step on rings at the frequency of the grid; damping, a wrong lumped mass at the free end or forces "
-    "that reach the nodes late change how far the column sinks.",
+    failure="A load in full from the first step on rings at the frequency of the grid; damping, a wrong lumped mass at the free end "
+    "or forces that reach the nodes late change how far the column sinks.",
     criterion="The top sinks to twice its static displacement, within 1 %, and is back after 4 H / c, within 1 %.",
     source="d'Alembert's solution, mpmkit.exact.SuddenColumn",
     dim=1,

@@ -33,7 +33,9 @@ def shuffled(x: Any) -> Any:
     return x[np.random.default_rng(7).permutation(len(x))]
 
 
-def pair(composition: Composition, quick: bool, changed: dict[str, Any], back: Callable[[Any], Any], back6: Callable[[Any], Any]) -> list[Figure]:
+def pair(
+    composition: Composition, quick: bool, changed: dict[str, Any], back: Callable[[Any], Any], back6: Callable[[Any], Any]
+) -> list[Figure]:
     """Run the scene and its image; `back` and `back6` take vectors and stresses of the image to where they should be."""
     h = 1 / 16 if quick else 1 / 32
     grid = mpm.Grid((-1.5, -1.5), (1.5, 1.5), h)
@@ -47,7 +49,9 @@ def pair(composition: Composition, quick: bool, changed: dict[str, Any], back: C
         for k, (field, scale, undo) in enumerate(zip(("x", "v", "stress"), scales, (back, back, back6), strict=True)):
             differences[k] = max(differences[k], np.abs(order(a[field]) - undo(b[field])).max() / scale)
     limit = rounding(composition, 1e-10)
-    return [Figure(f"{name}, difference", float(d), limit) for name, d in zip(("positions", "velocities", "stresses"), differences, strict=True)]
+    return [
+        Figure(f"{name}, difference", float(d), limit) for name, d in zip(("positions", "velocities", "stresses"), differences, strict=True)
+    ]
 
 
 def mirror(composition: Composition, quick: bool) -> list[Figure]:
@@ -65,13 +69,15 @@ def permutation(composition: Composition, quick: bool) -> list[Figure]:
     return pair(composition, quick, {"order": shuffled}, same, same)
 
 
-CRITERION = "After the impact, at 3.5 s, positions (over the radius), velocities (over the speed) and stresses (over the largest) agree to 1e-10."
+CRITERION = (
+    "After the impact, at 3.5 s, positions (over the radius), velocities (over the speed) and stresses (over the largest) agree to 1e-10."
+)
 CASES = (
     Case(
         name="mirror",
         title="Two disks glance off each other, and their mirror image",
-        failure="A rule that breaks ties to one side, such as the cell of a particle on a cell face, or a normal that is chosen by order, "
-        "makes left and right differ.",
+        failure="A rule that breaks ties to one side, such as the cell of a particle on a cell face, or a normal that is chosen by "
+        "order, makes left and right differ.",
         criterion=CRITERION,
         source=SOURCE,
         dim=2,
@@ -81,7 +87,8 @@ CASES = (
     Case(
         name="swap-of-axes",
         title="Two disks glance off each other, and the same with x and y exchanged",
-        failure="Loops that treat one axis differently: blocks, colours, tensors stored by component, directions taken one after the other.",
+        failure="Loops that treat one axis differently: blocks, colours, tensors stored by component, directions taken one after the "
+        "other.",
         criterion=CRITERION,
         source=SOURCE,
         dim=2,

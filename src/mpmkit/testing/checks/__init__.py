@@ -17,6 +17,6 @@ def _load() -> None:
 
 
 def table() -> list[Declared]:
-    """All checks, those of all kinds first, else in the order of the modules' names; imported here and not before, because they need numpy."""
+    """All checks, those of all kinds first, else by the names of their modules; imported here and not before, as they need numpy."""
     _load()
     return CHECKS

@@ -111,7 +111,7 @@ def declared_facts_are_known_words(component: Component, rng: Any) -> None:
     cls = type(component)
     expect(cls.spaces and set(cls.spaces) <= set(SPACES), f"{cls.__name__}.spaces must be some of {SPACES}, got {cls.spaces}")
     expect(cls.precisions and set(cls.precisions) <= {"float64", "float32"}, f"{cls.__name__}.precisions: {cls.precisions}")
-    taken = {"a parameter": specs(cls), "a standard field": PARTICLE_FIELDS, "a kernel argument": KERNEL_ARGUMENTS}
+    taken: dict[str, Any] = {"a parameter": specs(cls), "a standard field": PARTICLE_FIELDS, "a kernel argument": KERNEL_ARGUMENTS}
     for field in component.state:
         who = f"{cls.__name__}: state field {field.name!r}"
         expect(field.name.isidentifier() and field.doc, f"{who} needs a name that is an identifier, and a doc")

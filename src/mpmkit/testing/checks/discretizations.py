@@ -51,16 +51,23 @@ def stored_operators_are_consistent(discretization: Discretization, rng: Any) ->
         n, m, dim = len(points.x), discretization.nodes_per_point(grid.dim), grid.dim
         shapes = {"connectivity": (n, m), "N": (n, m), "dN": (n, m, dim), "V0": (n,), "x": (n, dim), "nodes": (len(points.nodes), dim)}
         for field, wanted in shapes.items():
-            expect(np.shape(getattr(points, field)) == wanted, f"{space}: {field} has the shape {np.shape(getattr(points, field))}, not {wanted}")
+            expect(
+                np.shape(getattr(points, field)) == wanted,
+                f"{space}: {field} has the shape {np.shape(getattr(points, field))}, not {wanted}",
+            )
         used = np.unique(points.connectivity)
-        expect(np.array_equal(used, np.arange(len(points.nodes))), f"{space}: connectivity must name every node, 0 to {len(points.nodes) - 1}")
+        expect(
+            np.array_equal(used, np.arange(len(points.nodes))), f"{space}: connectivity must name every node, 0 to {len(points.nodes) - 1}"
+        )
         expect(np.all(points.V0 > 0.0), f"{space}: a point has the volume {points.V0.min():g}")
         if space != "axisymmetric":  # whose volumes are those of rings
             volume = float(np.prod(np.subtract(*reversed(body.geometry.bounds()))))
             expect_close(points.V0.sum(), volume, 1e-12 * volume, f"{space}: volume of all points")
         places = points.nodes[points.connectivity]
         expect_close(points.N.sum(axis=1), np.ones(n), 1e-12, f"{space}: sum of weights")
-        expect_close(np.einsum("pi,pia->pa", points.N, places), points.x, 1e-12 * float(np.abs(places).max()), f"{space}: interpolated places")
+        expect_close(
+            np.einsum("pi,pia->pa", points.N, places), points.x, 1e-12 * float(np.abs(places).max()), f"{space}: interpolated places"
+        )
         expect_close(points.dN.sum(axis=1), np.zeros((n, dim)), 1e-12 / grid.h, f"{space}: sum of gradients")
         identity = np.broadcast_to(np.eye(dim), (n, dim, dim))
         expect_close(np.einsum("pia,pib->pab", places, points.dN), identity, 1e-11, f"{space}: gradient of the places")
@@ -87,5 +94,8 @@ def discretization_momentum(discretization: Discretization, rng: Any) -> None:
 @check("discretization", "order in time as claimed", when=lambda d: d.time_order > 0 and hasattr(d, "dt"), once=True)
 def discretization_time_order(discretization: Discretization, rng: Any) -> None:
     """The observed order over four step sizes is at least ``time_order`` - 0.1, for a vibrating bar on one mesh (rate)."""
-    expect("1D" in discretization.spaces, f"order in time is observed in 1D; {type(discretization).__name__} works in {standard_space(discretization)}")
+    expect(
+        "1D" in discretization.spaces,
+        f"order in time is observed in 1D; {type(discretization).__name__} works in {standard_space(discretization)}",
+    )
     check_time_order(discretization.time_order, discretization=discretization)

@@ -39,6 +39,9 @@ def inversion_is_refused(material: ConstitutiveModel, rng: Any) -> None:
             expect(type(material).__name__ in said, f"the refusal does not name {type(material).__name__}: {said}")
             return
         except (ArithmeticError, ValueError) as error:
-            expect(isinstance(error, ArithmeticError) or "math domain error" in str(error), f"inversion ends in {type(error).__name__}: {error}")
+            expect(
+                isinstance(error, ArithmeticError) or "math domain error" in str(error),
+                f"inversion ends in {type(error).__name__}: {error}",
+            )
             return
     raise AssertionError(f"a body turned inside out, J = {sim.particles()['J'].min():g}, is computed as if nothing had happened")
