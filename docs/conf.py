@@ -16,7 +16,7 @@ project = "mpmkit"
 author = "The mpmkit developers"
 version = release = mpmkit.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
-exclude_patterns = ["_build", "figures", "reference/fields-table.md", "performance-tables.md"]
+exclude_patterns = ["_build", "figures", "reference/fields-table.md", "performance-tables.md", "stability-tables.md"]
 default_role = "code"
 html_theme = "furo"
 html_title = f"mpmkit {release}"

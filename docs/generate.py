@@ -33,6 +33,17 @@ TITLES = {
 }
 
 
+CONFORMANCE = """What `mpmkit check PLUGIN` and `mpmkit.testing.conformance(PLUGIN)` check. Components are built from the examples of their parameters; each
+check runs with the first example of each and, unless it is marked (1), with each other choice and example in turn.
+
+A tolerance is *rounding*, a multiple of machine epsilon times a stated size, or *rate*, an order of an error in a step that is stated. Random numbers are the same in
+each run. A component that cannot pass a check says so, `expected_failures = {"name of the check": "reason"}`; the reason is shown wherever the component is described,
+and the entry is an error as soon as the check passes.
+
+For each check there is a component with one fault, in `tests/conformance/mutants`, that the check must find and others must not.
+"""
+
+
 def main(docs: Path, examples: Path | None = None) -> None:
     """Write all pages below `docs`; files that are up to date are left alone, so that Sphinx rebuilds only what changed.
 
@@ -46,6 +57,7 @@ def main(docs: Path, examples: Path | None = None) -> None:
     pages = {f"reference/components/{name}.md": page(describe(cls)) for name, cls in classes().items()}
     pages["reference/components/index.md"] = index()
     pages |= {"reference/command-line.md": command_line(), "reference/fields-table.md": fields()}
+    pages["reference/conformance-checks.md"] = conformance_checks()
     pages |= {f"gallery/examples/{path.stem}.md": picture(path) for path in shows(examples or docs.parent / "examples")}
     for folder in ("reference/components", "gallery/examples"):
         (docs / folder).mkdir(parents=True, exist_ok=True)
@@ -202,6 +214,24 @@ def fields() -> str:
     """The table of standard particle fields, included in fields.md."""
     rows = [(f"`{f.name}`", f.shape, f.unit, f.doc) for f in PARTICLE_FIELDS.values()]
     return table(("field", "shape", "unit", "meaning"), rows)
+
+
+def conformance_checks() -> str:
+    """All checks of the conformance suite by kind, with what their docstrings say."""
+    from mpmkit.testing.checks import table as checks
+    from mpmkit.testing.suite import ALWAYS
+
+    found = checks()
+    out = [
+        "# Conformance checks\n",
+        "<!-- written by docs/generate.py; edit the docstrings in mpmkit/testing/checks instead -->\n",
+        CONFORMANCE,
+    ]
+    for kind in ("all", *KINDS):
+        rows = [(name, text) for name, text in ALWAYS.items()] if kind == "all" else []
+        rows += [(d.name + (" (1)" if d.once else ""), " ".join(d.doc.split())) for d in found if d.kind == kind]
+        out += [f"## {TITLES.get(kind, 'Components of all kinds')}\n", table(("check", "what it asks"), rows)]
+    return "\n".join(out)
 
 
 def command_line() -> str:

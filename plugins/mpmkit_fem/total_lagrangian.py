@@ -24,6 +24,7 @@ class FEM(mpm.Discretization):
     spaces = ("1D", "plane strain")
     operator = "stored"
     configuration = "reference"
+    time_order = 1
     cfl: float = mpm.parameter("time step as a fraction of h / (|v| + c)", gt=0.0, le=1.0, default=0.5, kw_only=True)
     dt: float | None = mpm.parameter("fixed time step; automatic if not given", unit="s", gt=0.0, default=None, kw_only=True)
 

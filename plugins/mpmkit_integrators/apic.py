@@ -19,4 +19,5 @@ class APIC(mpm.Transfer):
         "Jiang, Schroeder and Teran (2017), An angular momentum conserving affine-particle-in-cell method, doi:10.1016/j.jcp.2017.02.050",
     )
     affine = "moment"
+    angular_momentum = True
     velocity = interpolated_velocity

@@ -12,11 +12,14 @@ class USL(mpm.ExplicitIntegrator):
     its velocity gradient. Here the strain sees velocities whose change is reduced by m_i / (limit m_p) at nodes
     lighter than ``limit`` particle masses; momenta and positions are not touched. The cheapest order of the three,
     and dissipative. ``limit = 0`` is the plain form, for study.
+
+    The affine matrix of APIC is formed with the limited velocities too, so that angular momentum is not conserved to rounding.
     """
 
     references = (
         "Bardenhagen (2002), Energy conservation error in the material point method for solid mechanics, doi:10.1006/jcph.2002.7103",
     )
+    angular_momentum = False
     transfer: mpm.Transfer = mpm.parameter("how particle velocities follow from the grid", default=FLIP())
 
     limit: float = mpm.parameter(

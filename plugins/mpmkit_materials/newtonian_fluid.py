@@ -6,11 +6,11 @@ from mpmkit.tensor import add_diagonal, ddot, dev, scale, sym
 
 
 @mpm.kernel
-def fluid_stress(J, L, dt, dissipated, bulk_modulus, viscosity, gamma):
+def fluid_stress(J, L, dt, viscous_loss, bulk_modulus, viscosity, gamma):
     """sigma = -p I + 2 mu dev(D), and the energy lost to viscosity so far."""
     p = bulk_modulus / gamma * (pow(J, -gamma) - 1.0)
     D = dev(sym(L))
-    return add_diagonal(scale(2.0 * viscosity, D), -p), dissipated + 2.0 * viscosity * ddot(D, D) * J * dt
+    return add_diagonal(scale(2.0 * viscosity, D), -p), viscous_loss + 2.0 * viscosity * ddot(D, D) * J * dt
 
 
 @mpm.kernel
@@ -20,9 +20,9 @@ def fluid_energy(J, bulk_modulus, gamma):
 
 
 @mpm.kernel
-def fluid_dissipation(dissipated):
+def fluid_dissipation(viscous_loss):
     """The state itself."""
-    return dissipated
+    return viscous_loss
 
 
 @mpm.kernel
@@ -52,7 +52,7 @@ class NewtonianFluid(mpm.ConstitutiveModel):
         "F.D. Murnaghan (1944), The compressibility of media under extreme pressures, doi:10.1073/pnas.30.9.244",
         "J.J. Monaghan (1994), Simulating free surface flows with SPH, doi:10.1006/jcph.1994.1034",
     )
-    state = (mpm.Field("dissipated", "J/m^3", "energy lost to viscosity, per initial volume"),)
+    state = (mpm.Field("viscous_loss", "J/m^3", "energy lost to viscosity, per initial volume"),)
     stress = fluid_stress
     energy = fluid_energy
     dissipation = fluid_dissipation

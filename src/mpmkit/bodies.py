@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mpmkit._core.sampling import estimated_count, lattice_points, lattice_side
-from mpmkit.errors import CompositionError, ParameterError
+from mpmkit.errors import CompositionError, ParameterError, shown
 from mpmkit.geometry import Geometry, PointCloud
 from mpmkit.grid import Grid
 from mpmkit.initial import as_constant, initial_values, same
@@ -89,6 +89,9 @@ class Body:
         dim = self.geometry.dim
         if self.name is not None and not self.name.strip():
             raise ParameterError("Body.name must not be empty; leave it out to have one chosen")
+        if self.name is not None and (not self.name.isprintable() or "/" in self.name or not self.name.strip(".")):
+            # files keep arrays by the names of bodies
+            raise ParameterError(f"Body.name must be printable text without '/' and not only dots, got {shown(self.name)}")
         if self.particles_per_cell is not None:
             lattice_side(self.particles_per_cell, dim)
         if isinstance(self.geometry, PointCloud):
@@ -191,13 +194,14 @@ class Body:
                 f"{self.label}: {len(outside)} of {len(cloud.x)} particles lie outside the domain {grid.lower} to {grid.upper} m, "
                 f"first particle {outside[0]} at {tuple(cloud.x[outside[0]].tolist())}; move it or enlarge the grid"
             )
+        x = np.clip(cloud.x, grid.lower, grid.upper)  # what rounding has put outside is on the face
         if grid.space != "axisymmetric":
-            return cloud.x, cloud.V, cloud.half_edges()
-        if (cloud.x[:, 0] <= 0.0).any():
-            row = int(np.flatnonzero(cloud.x[:, 0] <= 0.0)[0])
+            return x, cloud.V, cloud.half_edges()
+        if (x[:, 0] <= 0.0).any():
+            row = int(np.flatnonzero(x[:, 0] <= 0.0)[0])
             raise CompositionError(f"{self.label}: particle {row} lies on the axis r = 0, where a ring has no volume; move it to r > 0")
         rings = PointCloud(cloud.x, cloud.V / (2.0 * np.pi * cloud.x[:, 0]), cloud.size)  # as areas, for the edges
-        return cloud.x, cloud.V, rings.half_edges()
+        return x, cloud.V, rings.half_edges()
 
     def _on_lattice(self, grid: Grid) -> tuple[Array, Array, Array]:
         x, step = lattice_points(self.geometry, grid, self._side(grid), self.lattice, self.label)

@@ -45,7 +45,17 @@ class ResultsError(MpmkitError):
 
 
 class StabilityError(MpmkitError):
-    """The run became, or would become, unstable; names particle, body, step, time and rule."""
+    """The run became, or would become, unstable; names particle, body, step, time and rule.
+
+    Attributes
+    ----------
+    shorter : bool
+        Whether the same steps might succeed with a smaller time step.
+    """
+
+    def __init__(self, message: str, *, shorter: bool = False) -> None:
+        super().__init__(message)
+        self.shorter = shorter
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
@@ -54,3 +64,12 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     by_lower = {n.lower(): n for n in names}
     near = get_close_matches(name.lower(), by_lower, n=1, cutoff=0.6)
     return f"; did you mean {by_lower[near[0]]!r}?" if near else ""
+
+
+def shown(value: object, length: int = 80) -> str:
+    """A value as text that fits into a message: cut where it is longer."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # a whole number of more digits than Python writes, or endless nesting
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= length else text[: length - 3] + "..."

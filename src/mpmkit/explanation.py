@@ -56,7 +56,7 @@ class Explanation:
 
     @property
     def data(self) -> dict[str, Any]:
-        from mpmkit._core.composing import loops
+        from mpmkit._core.composing import cautions, limits, loops
 
         run, plan = self.run, self.run.plan
         c = plan.composition
@@ -89,6 +89,9 @@ class Explanation:
                 n: {"bytes": itemsize * (1 if n == "m" else c.dim), "for": plan.node_layout.reasons[n]} for n in plan.node_layout.start
             },
             "off": self.off(),
+            "guards": self.guards(),
+            "warnings": list(run.warnings),
+            "notes": cautions.notes(c) + limits.notes(c),
             "file": str(self.path),
         } | ({"measured": self.measured} if self.measured is not None else {})
 
@@ -106,8 +109,28 @@ class Explanation:
         used = {type(x).__name__ for x in [*c.effects.values(), c.contact]}
         return sorted(n for n in registry().of("effect", "contact") if n not in used)
 
+    def guards(self) -> dict[str, str]:
+        """What happens when a step fails or a particle leaves the domain."""
+        from mpmkit._core.running import snapshot
+
+        sim, c = self.run.sim, self.run.plan.composition
+        if getattr(c.integrator or c.discretization, "dt", None) is not None:
+            failed = "the run stops: dt is fixed"
+        elif not sim.retries:
+            failed = "the run stops (retries = 0)"
+        elif not snapshot.small(self.run.engine):
+            failed = f"the run stops: of a state of more than {snapshot.IN_MEMORY >> 20} MiB no copy is kept"
+        else:
+            failed = f"repeated with half the Courant number, {sim.retries} times in a row at most"
+        leaving = {
+            "stop": "the run stops",
+            "remove": "taken out and booked in the history",
+            "clamp": "held at the face, impulse and energy booked",
+        }
+        return {"failed steps": failed, "particles that leave the domain": leaving[sim.leaving]}
+
     def __str__(self) -> str:
-        from mpmkit._core.composing import loops
+        from mpmkit._core.composing import cautions, limits, loops
         from mpmkit._core.running.memory import text as size
 
         run, plan, data = self.run, self.run.plan, self.data
@@ -145,8 +168,11 @@ class Explanation:
         lines += [f"    {name:<8}{f['bytes']:>4} B   {f['for']}" for name, f in data["node fields"].items()]
         lines += ["", f"off (no field, no line, no time): {', '.join(data['off']) or 'nothing'}"]
         lines.append(f"time step: {self._step_rule()}")
+        lines += [f"{what}: {how}" for what, how in data["guards"].items()]
         for text in run.warnings:
             lines.append(f"warning: {text}")
+        for text in cautions.notes(c) + limits.notes(c):
+            lines.append(f"note: {text}")
         lines.append(f"generated step: {self.path}")
         if self.measured is not None:
             for title, headings, rows, notes in costs(self.measured):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mpmkit.errors import ParameterError
+from mpmkit.errors import ParameterError, shown
 from mpmkit.parameters import Vector, define, parameter
 
 AXES = ("x", "y", "z")
@@ -39,11 +39,13 @@ class Grid:
     def __attrs_post_init__(self) -> None:
         dim = len(self.lower)
         if not 1 <= dim <= 3:
-            raise ParameterError(f"Grid.lower must have 1, 2 or 3 numbers, got {dim}: {self.lower}")
+            raise ParameterError(f"Grid.lower must have 1, 2 or 3 numbers, got {dim}: {shown(self.lower)}")
         if len(self.upper) != dim:
-            raise ParameterError(f"Grid.upper must have {dim} numbers like lower {self.lower}, got {len(self.upper)}: {self.upper}")
+            raise ParameterError(f"Grid.upper must have {dim} numbers like lower {self.lower}, got {len(self.upper)}: {shown(self.upper)}")
         if len(self.spacing) not in (1, dim):
-            raise ParameterError(f"Grid.spacing must be one number or {dim}, one for each axis, got {len(self.spacing)}: {self.spacing}")
+            raise ParameterError(
+                f"Grid.spacing must be one number or {dim}, one for each axis, got {len(self.spacing)}: {shown(self.spacing)}"
+            )
         for name in ("lower", "upper", "spacing"):
             if not all(math.isfinite(c) for c in getattr(self, name)):
                 raise ParameterError(f"Grid.{name} must be finite, got {getattr(self, name)}")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mpmkit.errors import ParameterError
+from mpmkit.errors import ParameterError, shown
 from mpmkit.geometry.cloud import frozen_array
 from mpmkit.parameters import Spec, Value, convert
 
@@ -107,7 +107,7 @@ def formulas(value: Any, shape: tuple[int, ...], path: str, dim: int) -> list[tu
     parts = list(_flat(value))
     wanted = int(np.prod(shape))
     if len(parts) != wanted:
-        raise ParameterError(f"{path} must be {wanted} formulas or numbers for a body in {dim}D, got {len(parts)}: {value!r}")
+        raise ParameterError(f"{path} must be {wanted} formulas or numbers for a body in {dim}D, got {len(parts)}: {shown(value)}")
     names = position_names(dim)
     return [(Expression(p, names, path), 0.0) if isinstance(p, str) else (None, float(p)) for p in parts]
 

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 import attrs
 
-from mpmkit.errors import ParameterError, PluginError, did_you_mean
+from mpmkit.errors import ParameterError, PluginError, did_you_mean, shown
 from mpmkit.fields import KERNEL_ARGUMENTS, PARTICLE_FIELDS
 
 T = TypeVar("T")
@@ -144,16 +144,16 @@ def convert(value: Any, hint: Any, spec: Spec, path: str) -> Any:
         return _in_bounds(_number(value, spec, path), spec, path)
     if hint is int:
         if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-            raise ParameterError(f"{path} must be a whole number, got {value!r} ({spec.doc})")
+            raise ParameterError(f"{path} must be a whole number, got {shown(value)} ({spec.doc})")
         return _in_bounds(int(value), spec, path)
     if hint is bool:
         if not isinstance(value, bool):
-            raise ParameterError(f"{path} must be true or false, got {value!r} ({spec.doc})")
+            raise ParameterError(f"{path} must be true or false, got {shown(value)} ({spec.doc})")
         return value
     if hint is str:
         value = os.fspath(value) if isinstance(value, os.PathLike) else value
         if not isinstance(value, str):
-            raise ParameterError(f"{path} must be text, got {value!r} ({spec.doc})")
+            raise ParameterError(f"{path} must be text, got {shown(value)} ({spec.doc})")
         return _chosen(value, spec, path)
     if hint == Vector:
         items = value if isinstance(value, (list, tuple)) or getattr(value, "ndim", None) else (value,)
@@ -171,7 +171,7 @@ def convert(value: Any, hint: Any, spec: Spec, path: str) -> Any:
         return tuple(convert(v, args[0], spec, f"{path}[{k}]") for k, v in enumerate(items))
     if isinstance(hint, type) and hint is not Any:  # a class since Python 3.11
         if not isinstance(value, hint):
-            raise ParameterError(f"{path} must be a {hint.__name__}, got {value!r} ({spec.doc})")
+            raise ParameterError(f"{path} must be a {hint.__name__}, got {shown(value)} ({spec.doc})")
         return value
     return value
 
@@ -198,10 +198,14 @@ def _number(value: Any, spec: Spec, path: str) -> float:
 
         return to_si(value, spec.unit, path)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise ParameterError(f"{path} must be a number [{spec.unit}], got {value!r} ({spec.doc})")
-    if math.isnan(value):
+        raise ParameterError(f"{path} must be a number [{spec.unit}], got {shown(value)} ({spec.doc})")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise ParameterError(f"{path} is too large for a floating point number, got {shown(value)} ({spec.doc} [{spec.unit}])") from None
+    if math.isnan(number):
         raise ParameterError(f"{path} must be a number [{spec.unit}], got nan ({spec.doc})")
-    return float(value)
+    return number
 
 
 def _in_bounds(value: Any, spec: Spec, path: str) -> Any:
@@ -212,12 +216,16 @@ def _in_bounds(value: Any, spec: Spec, path: str) -> Any:
         and (spec.le is None or value <= spec.le)
     )
     if not ok:
-        raise ParameterError(f"{path} must be {spec.bounds}, got {value:g} ({spec.doc} [{spec.unit}])")
+        raise ParameterError(f"{path} must be {spec.bounds}, got {_text(value)} ({spec.doc} [{spec.unit}])")
     return _chosen(value, spec, path)
+
+
+def _text(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else shown(value)
 
 
 def _chosen(value: Any, spec: Spec, path: str) -> Any:
     if spec.choices is not None and value not in spec.choices:
         hint = did_you_mean(str(value), [str(c) for c in spec.choices])
-        raise ParameterError(f"{path} must be {spec.bounds}, got {value!r}{hint} ({spec.doc})")
+        raise ParameterError(f"{path} must be {spec.bounds}, got {shown(value)}{hint} ({spec.doc})")
     return value

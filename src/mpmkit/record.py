@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mpmkit.errors import ParameterError, did_you_mean
+from mpmkit.errors import ParameterError, did_you_mean, shown
 from mpmkit.parameters import define, parameter
 
 SUFFIXES = (".vtkhdf", ".hdf")
@@ -39,19 +39,21 @@ class Record:
     )
 
     def __attrs_post_init__(self) -> None:
+        if "\0" in self.path or any("\ud800" <= c <= "\udfff" for c in self.path):
+            raise ParameterError(f"Record.path must be text that a file can be called, got {shown(self.path)}")
         suffix = Path(self.path).suffix
         if suffix not in SUFFIXES:
             near = did_you_mean(suffix, SUFFIXES) if suffix else ""
             wanted = Path(self.path).with_suffix(SUFFIXES[0]).name if Path(self.path).name else "run" + SUFFIXES[0]
             raise ParameterError(
-                f"Record.path must end in .vtkhdf or .hdf, got {self.path!r}{near} (such as {wanted!r}; ParaView goes by the ending)"
+                f"Record.path must end in .vtkhdf or .hdf, got {shown(self.path)}{near} (such as {wanted!r}; ParaView goes by the ending)"
             )
         twice = sorted({f for f in self.fields if self.fields.count(f) > 1})
         if twice:
-            raise ParameterError(f"Record.fields must name each field once, got {', '.join(map(repr, twice))} more than once")
+            raise ParameterError(f"Record.fields must name each field once, got {', '.join(map(shown, twice))} more than once")
         for name in self.fields:
             if not name or "/" in name or "." in name:
                 raise ParameterError(
-                    f"Record.fields must be names of particle fields such as 'v' or 'stress', got {name!r}; "
+                    f"Record.fields must be names of particle fields such as 'v' or 'stress', got {shown(name)}; "
                     "components are chosen when drawing"
                 )

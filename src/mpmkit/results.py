@@ -54,6 +54,7 @@ class Results:
         *,
         meta: Mapping[str, Any] | None = None,
         scene: str | None = None,
+        left: Sequence[Mapping[str, float]] = (),
     ) -> Results:
         """Results of a run without a record.
 
@@ -69,10 +70,12 @@ class Results:
             Facts as in `ParticleFile.create`.
         scene : str
             The scene as text.
+        left : sequence of mapping
+            Particles that were taken out of the domain.
         """
         made = cls.__new__(cls)
         made.path = None
-        made._source = MemorySource(frames, history, {**(meta or {}), "bodies": list(bodies)}, scene)
+        made._source = MemorySource(frames, history, {**(meta or {}), "bodies": list(bodies)}, scene, left)
         return made
 
     @property
@@ -109,6 +112,11 @@ class Results:
     def history(self) -> History:
         """The ledger over time: ``history["kinetic"]`` or ``history.kinetic``."""
         return self._source.history()
+
+    @property
+    def left(self) -> History:
+        """Particles that left the domain and were taken out (`Simulation.leaving`): step, t, id, body, m, x, y, z, vx, vy, vz of each."""
+        return self._source.left()
 
     def at(self, time: float | str) -> Frame:
         """The frame nearest to a time.

@@ -23,6 +23,7 @@ from mpmkit.scene.parts import (
     REQUIRED,
     REQUIRED_FOR_MPM,
     SECTIONS,
+    SETTING_TYPES,
     SETTINGS,
     alternatives,
     holds_parts,
@@ -41,9 +42,8 @@ def schema() -> dict[str, Any]:
     """The schema of scene files with the components of all installed plugins."""
     maker = Maker()
     properties: dict[str, Any] = {"$schema": {"type": "string", "description": "for editors; has no other meaning"}}
-    settings_types = {"until": float, "precision": str}
     for key, spec in SETTINGS.items():
-        properties[key] = maker.value(settings_types[key], spec) | {"description": text_of(spec)}
+        properties[key] = maker.value(SETTING_TYPES[key], spec) | {"description": text_of(spec)}
     for key, cls in SECTIONS.items():
         properties[key] = maker.part(cls)
     materials = {

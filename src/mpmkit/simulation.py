@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from mpmkit.bodies import Body
-from mpmkit.errors import CompositionError, MpmkitError, ParameterError, ResultsError, did_you_mean
+from mpmkit.errors import CompositionError, MpmkitError, ParameterError, ResultsError, did_you_mean, shown
 from mpmkit.grid import Grid
 from mpmkit.interfaces import BoundaryLayer, Component, ContactAlgorithm, Discretization, Effect, Integrator, ShapeFunction
 from mpmkit.parameters import Spec, convert
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mpmkit.results import Results
 
 PRECISIONS = ("float64", "float32")
+LEAVING = ("stop", "remove", "clamp")
 
 
 class Simulation:
@@ -42,6 +43,13 @@ class Simulation:
         "float64" or "float32".
     until : float, optional
         Simulated time [s] at which `run` stops if it is given none.
+    leaving : str
+        What happens to particles that leave the domain: "stop" (the run stops and names one), "remove" (they are taken out, with their
+        mass, momentum and energy booked in the history and listed in `Results.left`) or "clamp" (they are held at the face without the
+        velocity through it, impulse and energy booked). May be changed between two runs.
+    retries : int
+        How many times in a row a run with automatic time step may go back to its last good copy and repeat failed steps, each time
+        with half the Courant number; 0 stops at the first failure. May be changed between two runs.
 
     Examples
     --------
@@ -62,6 +70,8 @@ class Simulation:
         discretization: Discretization | None = None,
         precision: str = "float64",
         until: float | str | None = None,
+        leaving: str = "stop",
+        retries: int = 3,
     ) -> None:
         self.grid = _of(grid, Grid, "grid", "mpm.Grid(lower, upper, spacing)")
         self.shape = _of(shape, ShapeFunction, "shape", "mpmkit.shapes.QuadraticBSpline()", optional=True)
@@ -73,6 +83,8 @@ class Simulation:
             )
         self.precision = precision
         self.until: float | None = convert(until, float | None, Spec("end of the run", "s", gt=0.0), "Simulation.until")
+        self.leaving = leaving
+        self.retries = retries
         if self.discretization is None:
             missing = [name for name in ("shape", "integrator") if getattr(self, name) is None]
             if missing:
@@ -85,6 +97,33 @@ class Simulation:
         self.effects: list[Effect] = []
         self.records: list[Record] = []
         self._run: Run | None = None
+
+    @property
+    def leaving(self) -> str:
+        """What happens to particles that leave the domain: "stop", "remove" or "clamp"."""
+        return self._leaving
+
+    @leaving.setter
+    def leaving(self, value: str) -> None:
+        if value not in LEAVING:
+            raise ParameterError(
+                f"Simulation.leaving must be one of {', '.join(LEAVING)}, got {shown(value)}{did_you_mean(str(value), LEAVING)}"
+            )
+        if value != "stop" and getattr(self.discretization, "operator", None) == "stored":
+            raise CompositionError(
+                f"Simulation.leaving = {value!r}: the points of {type(self.discretization).__name__} belong to a mesh and cannot be taken "
+                'out or held one by one; use "stop" and a larger grid'
+            )
+        self._leaving = value
+
+    @property
+    def retries(self) -> int:
+        """How many times in a row failed steps may be repeated with half the Courant number."""
+        return self._retries
+
+    @retries.setter
+    def retries(self, value: int) -> None:
+        self._retries: int = convert(value, int, Spec("how often failed steps are repeated", ge=0.0, le=20.0), "Simulation.retries")
 
     def __iadd__(self, parts: Any) -> Simulation:
         """Add a body, boundary layer, contact algorithm, effect or record, or several of them."""
@@ -173,7 +212,8 @@ class Simulation:
         Raises
         ------
         StabilityError
-            Names particle, body, step, time and rule; the last good state is kept, on disk if there is a record.
+            Names particle, body, step, time and rule; the last good state is kept, on disk if there is a record. With an automatic time
+            step the steps were repeated with smaller ones before (`Simulation.retries`).
         CompositionError
             If parts of the simulation do not fit together, or there are fewer cores than threads are asked for.
         ResultsError
@@ -194,7 +234,7 @@ class Simulation:
         if run.recorders:
             return Results(run.recorders[0].record.path)
         meta = run.meta()
-        return Results.in_memory(run.frames, run.history(), meta.pop("bodies"), scene=meta.pop("scene"), meta=meta)
+        return Results.in_memory(run.frames, run.history(), meta.pop("bodies"), scene=meta.pop("scene"), meta=meta, left=run.left)
 
     def resume(self, checkpoint: str | os.PathLike[str]) -> Simulation:
         """Take the state of a checkpoint of this very composition; the next `run` goes on bitwise as if it had never stopped."""

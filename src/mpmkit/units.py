@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from functools import cache
 from typing import Any
 
-from mpmkit.errors import ParameterError, did_you_mean
+from mpmkit.errors import ParameterError, did_you_mean, shown
 
 _NUMBER = r"[-+]?(\d[\d_]*\.?\d*|\.\d+)([eE][-+]?\d+)?"
 _POWER = r"((\^|\*\*)\(?-?\d\)?)?"
@@ -44,7 +44,7 @@ def to_si(text: str, unit: str, path: str) -> float:
     """
     if not is_quantity(text):
         form = f"a number with a unit, such as '2.5 {unit}'" if unit != "1" else "a number, without quotes"
-        raise ParameterError(f"{path} must be {form}, got {text!r}")
+        raise ParameterError(f"{path} must be {form}, got {shown(text)}")
     ureg = _registry()
     try:
         quantity = ureg.Quantity(text)
@@ -55,8 +55,8 @@ def to_si(text: str, unit: str, path: str) -> float:
         fitting = [n for n in _unit_names() if ureg.Unit(n).dimensionality == wanted]
         near = get_close_matches(name, fitting, n=1)  # with capitals, unlike names: mPa is not MPa
         hint = f"; did you mean {near[0]!r}?" if near else did_you_mean(name, fitting) or did_you_mean(name, _unit_names())
-        raise ParameterError(f"{path}: cannot read {text!r} as a quantity in {unit}: unknown unit {name!r}{hint}") from None
+        raise ParameterError(f"{path}: cannot read {shown(text)} as a quantity in {unit}: unknown unit {shown(name)}{hint}") from None
     try:
         return float(quantity.to(ureg.Unit("" if unit == "1" else unit)).magnitude)
     except Exception:  # noqa: BLE001  (pint raises many kinds)
-        raise ParameterError(f"{path}: {text!r} is not a quantity in {unit} (its dimension is {quantity.dimensionality})") from None
+        raise ParameterError(f"{path}: {shown(text)} is not a quantity in {unit} (its dimension is {quantity.dimensionality})") from None

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from mpmkit.errors import ParameterError, did_you_mean
+from mpmkit.errors import ParameterError, did_you_mean, shown
 from mpmkit.expression import (
     ARGUMENTS,
     Expression,
@@ -59,12 +59,12 @@ def as_function(value: Any, dim: int, path: str = "value") -> Constant | Callabl
     else:
         parts = (0.0,) * dim if value == 0.0 else (value,)
     if len(parts) != dim:
-        raise ParameterError(f"{path} must have {dim} component{'s' if dim > 1 else ''} in {dim}D, got {len(parts)}: {_shown(value)}")
+        raise ParameterError(f"{path} must have {dim} component{'s' if dim > 1 else ''} in {dim}D, got {len(parts)}: {shown(value)}")
     if any(isinstance(p, str) for p in parts):
         return _of_formulas(tuple(str(p) if isinstance(p, str) else float(p) for p in parts), dim, path)
     numbers = [float(p) for p in parts]
     if not all(math.isfinite(n) for n in numbers):
-        raise ParameterError(f"{path} must be finite, got {_shown(value)}")
+        raise ParameterError(f"{path} must be finite, got {shown(value)}")
     return _padded(numbers, 0.0)
 
 
@@ -76,7 +76,7 @@ def _of_formulas(parts: tuple[str | float, ...], dim: int, path: str) -> Constan
     if not used:
         numbers = [float(f.evaluate()) for f in formulas]
         if not all(math.isfinite(n) for n in numbers):
-            raise ParameterError(f"{path} must be finite, got {numbers} from {_shown(parts)}")
+            raise ParameterError(f"{path} must be finite, got {shown(numbers)} from {shown(parts)}")
         return _padded(numbers, 0.0)
     return make_function(f"({', '.join(_padded([f.code() for f in formulas], '0.0'))})", arguments_of(used))
 
@@ -85,7 +85,7 @@ def _of_formulas(parts: tuple[str | float, ...], dim: int, path: str) -> Constan
 def _of_function(function: Callable[..., Any], dim: int, path: str) -> Callable[..., Any]:
     plain = getattr(function, "py_func", getattr(function, "function", function))  # a numba dispatcher, a kernel marker
     if not inspect.isfunction(plain):
-        raise ParameterError(f"{path} must be a plain Python function, got {_shown(function)}; wrap it: def f(x, t): return ...")
+        raise ParameterError(f"{path} must be a plain Python function, got {shown(function)}; wrap it: def f(x, t): return ...")
     arguments = _arguments(plain, path)
     result = _probe(plain, arguments, dim, path)
     returned = result if isinstance(result, tuple) else (result,)
@@ -136,11 +136,11 @@ def _probe(function: Callable[..., Any], arguments: tuple[str, ...], dim: int, p
             ) from error
         parts = result if isinstance(result, tuple) else (result,)
         if not all(isinstance(p, (int, float)) and not isinstance(p, bool) for p in parts):
-            raise ParameterError(f"{path}: the function {function.__name__} must return a float or a tuple of floats, got {_shown(result)}")
+            raise ParameterError(f"{path}: the function {function.__name__} must return a float or a tuple of floats, got {shown(result)}")
         if len(parts) != dim and not (len(parts) == 3 and isinstance(result, tuple)):
             raise ParameterError(
                 f"{path}: the function {function.__name__} must return {dim} component{'s' if dim > 1 else ''} in {dim}D, "
-                f"got {_shown(result)}"
+                f"got {shown(result)}"
             )
         return result
     raise ParameterError(
@@ -151,8 +151,3 @@ def _probe(function: Callable[..., Any], arguments: tuple[str, ...], dim: int, p
 def _padded(parts: list[Any], zero: Any) -> tuple[Any, Any, Any]:
     first, second, third = parts + [zero] * (3 - len(parts))
     return first, second, third
-
-
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else text[:77] + "..."

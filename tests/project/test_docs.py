@@ -64,6 +64,16 @@ def test_the_command_line_page_has_all_commands_and_options(root):
     assert "--overwrite" in text
 
 
+def test_the_page_of_conformance_checks_has_all_of_them(root):
+    from mpmkit.testing.checks import table
+    from mpmkit.testing.suite import ALWAYS
+
+    text = script(root / "docs/generate.py").conformance_checks()
+    for name in (*ALWAYS, *(declared.name for declared in table())):
+        assert f"| {name} " in text
+    assert "Ruff" not in text and "noqa" not in text
+
+
 @pytest.mark.parametrize("path", WITH_CODE, ids=[p.stem for p in WITH_CODE])
 def test_python_in_the_docs_runs(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -105,13 +115,13 @@ def test_every_page_is_in_a_table_of_contents(root):
             for line in block.splitlines():
                 if line and not line.startswith(":"):
                     listed |= set(path.parent.glob(f"{line}.md"))
-    hidden = {docs / "index.md", docs / "reference/fields-table.md", docs / "performance-tables.md"}
+    hidden = {docs / "index.md", docs / "reference/fields-table.md", docs / "performance-tables.md", docs / "stability-tables.md"}
     pages = {p for p in docs.rglob("*.md") if "_build" not in p.parts} - hidden
     assert pages - listed == set()
 
 
 def test_links_within_the_docs_exist(root):
-    generated = {"reference/components", "reference/command-line.md", "gallery/examples"}
+    generated = {"reference/components", "reference/command-line.md", "reference/conformance-checks.md", "gallery/examples"}
     docs = root / "docs"
     for path in docs.rglob("*.md"):
         for target in re.findall(r"\]\(([^)#\s]+)", path.read_text(encoding="utf-8")):

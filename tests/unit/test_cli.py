@@ -216,55 +216,6 @@ def test_unwritable_output_is_one_line(call, tmp_path):
     assert "No such file or directory" in err
 
 
-@pytest.fixture
-def fake_report(fakes, monkeypatch):
-    """Replace the conformance suite of child processes."""
-
-    def install(body):
-        (fakes.folder / "sitecustomize.py").write_text(
-            "import sys, types, os\nm = types.ModuleType('mpmkit.testing')\n"
-            f"def report(name):\n    print('noise')\n    {body}\nm.report = report\nsys.modules['mpmkit.testing'] = m\n"
-        )
-        fakes.material("mpmkit-foam", "foam", "Foam")
-        monkeypatch.setenv("PYTHONPATH", str(fakes.folder))
-
-    return install
-
-
-def test_check_passes_and_fails(call, fake_report):
-    fake_report(
-        "return [dict(component='Foam', check='objectivity', passed=False, reason='rotates'), dict(component='Foam', check='docs', passed=True)]"
-    )
-    code, out, _ = call("check", "foam")
-    assert code == 1
-    assert "FAILED  Foam  objectivity  rotates" in out
-    assert "1 passed, 1 failed" in out
-    code, out, _ = call("check", "foam", "--json")
-    assert (code, len(json.loads(out))) == (1, 2)
-
-
-def test_check_with_success(call, fake_report):
-    fake_report("return [dict(component='Foam', check='docs', passed=True, reason='')]")
-    assert call("check", "Foam")[0] == 0
-
-
-@pytest.mark.parametrize(
-    ("body", "text"), [("os._exit(7)", "status 7"), ("os.kill(os.getpid(), 11)", "signal 11"), ("raise RuntimeError('no way')", "no way")]
-)
-def test_check_survives_a_crash(call, fake_report, body, text):
-    fake_report(body)
-    code, _, err = call("check", "foam")
-    assert code == 1
-    assert text in err
-
-
-def test_check_of_a_broken_plugin(call, fakes):
-    fakes.add("mpmkit-bad", "bad", "import a_module_that_is_not_there")
-    code, _, err = call("check", "bad")
-    assert code == 1
-    assert "cannot be loaded: ModuleNotFoundError" in err
-
-
 def test_a_reader_that_stops_reading_is_no_failure():
     with subprocess.Popen([sys.executable, "-m", "mpmkit", "schema"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         process.stdout.read(10)  # of more than a pipe holds, so that the writer is still writing

@@ -81,9 +81,32 @@ def test_errors_say_what_is_wrong(tmp_path):
     path.write_text("hello\n")
     with pytest.raises(ResultsError, match="is not a history"):
         read_history(path)
-    path.write_text("step,t\n0,1.0,2.0\n")
-    with pytest.raises(ResultsError, match="line 2 has 3 entries for 2 columns"):
+    path.write_text("step,t\n0,1.0\n")
+    with pytest.raises(ResultsError, match="the last 'check'"):
         read_history(path)
+    path.write_text("step,t,check\n0,1.0,2.0\n")
+    with pytest.raises(ResultsError, match="line 2 does not fit its checksum"):
+        read_history(path)
+    with pytest.raises(ResultsError, match="none 'check'"):
+        HistoryFile.create(tmp_path / "b.csv", ("step", "check"))
+
+
+def test_a_changed_digit_is_noticed(tmp_path):
+    path = tmp_path / "a.csv"
+    with HistoryFile.create(path, ("step", "t", "kinetic")) as history:
+        for row in _rows(3):
+            history.append(row)
+    good = path.read_text()
+    for at, letter in enumerate(good):
+        path.write_text(good[:at] + ("3" if letter != "3" else "4") + good[at + 1 :])
+        try:
+            found = read_history(path)
+        except ResultsError:
+            with pytest.raises(ResultsError):
+                HistoryFile.reopen(path)
+            continue
+        assert letter == "\n" and at == len(good) - 1, f"character {at}, {letter!r}"
+        assert len(found["step"]) == 2  # without its end the last row counts as not yet written
 
 
 def test_names_beside_the_result_file():

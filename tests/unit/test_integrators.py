@@ -115,7 +115,8 @@ def trembling(integrator):
     law = NeoHookean(E=0.7428, nu=0.3, rho=1.0)  # sound travels 1 m/s
     v = (0.08253, 0.05646)
     body = mpm.Body(mpm.Box((0.4, 0.4), (0.5, 0.5)), law, (f"{v[0]} + 1e-6*sin(37*x + 20*y)", f"{v[1]} + 1e-6*sin(30*y)"), name="body")
-    p = run(simulation(mpm.Grid((0.0, 0.0), (2.0, 2.0), 0.1), body, shape=Linear(), integrator=integrator), 10.0).particles("body")
+    sim = simulation(mpm.Grid((0.0, 0.0), (2.0, 2.0), 0.1), body, shape=Linear(), integrator=integrator, retries=0)
+    p = run(sim, 10.0).particles("body")
     return np.abs(p["v"] - v).max()
 
 
@@ -123,7 +124,10 @@ def test_usl_is_bounded_by_its_limit():
     """The disturbance stays of its size; without the limit the body is torn apart already in free flight."""
     assert trembling(USL(cfl=0.4)) < 2e-6
     assert trembling(MUSL(cfl=0.4)) < 2e-6
-    with pytest.raises(mpm.StabilityError, match="energy was created|left the domain|inverted"):
+    with (
+        pytest.raises(mpm.StabilityError, match="energy was created|left the domain|inverted"),
+        pytest.warns(UserWarning, match="slopes jump"),
+    ):
         trembling(USL(cfl=0.4, limit=0.0))
 
 

@@ -26,7 +26,7 @@ def test_sum_of_the_parts():
     assert needed["the fields of the particles"] == particles * 8 * size
     assert needed["sorting them"] == 16 * particles
     assert needed["a frame to be written"] == 0
-    assert needed["a copy of the state"] == particles * 8 * size
+    assert needed["two copies of the state"] == 2 * particles * 8 * size
 
 
 def test_a_frame_counts_what_is_recorded(tmp_path):

@@ -12,11 +12,12 @@ pytestmark = pytest.mark.usefixtures("plain_python")
 
 
 @pytest.mark.parametrize("space", ["1D", "plane strain", "axisymmetric", "3D"])
-def test_every_field_in_every_space(space, monkeypatch):
+@pytest.mark.parametrize("ends", [((0.25, 0.75), (1.0, 1.75)), ((0.25, 0.5), (1.0, 1.25))], ids=["many", "one tile"])
+def test_every_field_in_every_space(space, ends, monkeypatch):
     from mpmkit._core.running import unpacking
 
     monkeypatch.setattr(unpacking, "_TILES", 2)  # several pieces, the last one not full
-    bodies = [mpm.Body(box(space, *ends), RUBBER, name=str(k)) for k, ends in enumerate(((0.25, 0.75), (1.0, 1.75)))]
+    bodies = [mpm.Body(box(space, *both), RUBBER, name=str(k)) for k, both in enumerate(ends)]
     stores = simulation(grid(space), *bodies, integrator=MUSL(APIC())).compose().engine.stores
     rng = np.random.default_rng(2)
     for s in stores:

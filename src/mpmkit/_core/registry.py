@@ -11,7 +11,7 @@ import attrs
 import pluggy
 
 from mpmkit import hookspecs
-from mpmkit.errors import PluginError, did_you_mean
+from mpmkit.errors import PluginError, did_you_mean, shown
 from mpmkit.interfaces import KINDS, Component
 
 
@@ -106,7 +106,7 @@ class Registry:
             what = " or ".join(kinds) or "component"
             lost = "".join(f"\n  not loaded: {b.plugin} ({b.distribution} {b.version}): {b.reason}" for b in self.broken)
             raise PluginError(
-                f"no {what} named {name!r} is registered{did_you_mean(name, known)}\n  registered: {', '.join(sorted(known))}"
+                f"no {what} named {shown(name)} is registered{did_you_mean(name, known)}\n  registered: {', '.join(sorted(known))}"
                 f"      see: mpmkit list-plugins{lost}"
             )
         return known[name]

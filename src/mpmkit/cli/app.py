@@ -24,6 +24,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "list-plugins": ("mpmkit.cli.list_plugins:list_plugins", "List all components, and plugins that cannot be loaded."),
     "describe": ("mpmkit.cli.describe:describe", "Show equation, parameters, units and references of a component."),
     "check": ("mpmkit.cli.check:check", "Run the conformance checks of a plugin."),
+    "stability": ("mpmkit.cli.stability:stability", "Run hard cases for numerical stability."),
     "schema": ("mpmkit.cli.schema:schema", "Print the JSON Schema of scene files."),
     "info": ("mpmkit.cli.info:info", "Show versions and machine, for bug reports."),
 }

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from mpmkit.cli.base import Command, Quantity
+from mpmkit.cli.guarding import choose, guard_options
 from mpmkit.errors import SceneError
 
 
@@ -18,13 +19,24 @@ from mpmkit.errors import SceneError
 @click.option(
     "--threads", type=int, metavar="N", help="Threads that step; by default MPMKIT_THREADS, or chosen by the number of particles."
 )
+@guard_options
 @click.option("--quiet", is_flag=True, help="Show no progress.")
-def run(scene: str, until: float | None, output: str | None, overwrite: bool, threads: int | None, quiet: bool) -> None:
+def run(
+    scene: str,
+    until: float | None,
+    output: str | None,
+    overwrite: bool,
+    threads: int | None,
+    leaving: str | None,
+    retries: int | None,
+    quiet: bool,
+) -> None:
     """Run SCENE (.toml or .json), show progress and write the results that it records."""
     from mpmkit.scene import load
 
     simulation = load(scene)
     redirect(simulation, output, overwrite)
+    choose(simulation, leaving, retries)
     simulation.run(**({} if until is None else {"until": until}), quiet=quiet, threads=threads)
     if not quiet:
         for record in simulation.records:

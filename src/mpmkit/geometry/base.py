@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeAlias
 
-from mpmkit.errors import ParameterError
+from mpmkit.errors import ParameterError, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -115,7 +115,7 @@ def check_dims(path: str, vector: tuple[float, ...], dims: tuple[int, ...]) -> N
     """Raise `ParameterError` unless a vector has one of the given lengths and finite components."""
     if len(vector) not in dims:
         allowed = " or ".join(str(d) for d in dims)
-        raise ParameterError(f"{path} must have {allowed} number{'s' if dims != (1,) else ''}, got {len(vector)}: {vector}")
+        raise ParameterError(f"{path} must have {allowed} number{'s' if dims != (1,) else ''}, got {len(vector)}: {shown(vector)}")
     if not all(math.isfinite(c) for c in vector):
         raise ParameterError(f"{path} must be finite, got {vector}")
 

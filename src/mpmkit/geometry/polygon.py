@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mpmkit.errors import ParameterError
+from mpmkit.errors import ParameterError, shown
 from mpmkit.geometry.base import Array, Geometry, Moments, check_dims
 from mpmkit.parameters import Vector, define, parameter
 
@@ -30,7 +30,7 @@ class Polygon(Geometry):
                 raise ParameterError(f"Polygon.points[{k}] is followed by the same point {tuple(a.tolist())}; leave one out")
         self._check_crossing()
         if self.moments()[0] <= 0.0:
-            raise ParameterError(f"Polygon.points: the corners {self.points} enclose no area")
+            raise ParameterError(f"Polygon.points: the corners {shown(self.points)} enclose no area")
 
     def _edges(self) -> tuple[Array, Array]:
         start = np.asarray(self.points)

@@ -55,12 +55,19 @@ class Discretization(Component):
         made once by ``mesh``: FEM, RKPM ...).
     configuration : str
         "current" (gradients with respect to x, Cauchy stress) or "reference" (with respect to X, first Piola-Kirchhoff stress).
+    time_order : int
+        Order of the error in the time step on a given mesh; 0 if none is claimed. Observed as for integrators.
     """
 
     kind: ClassVar[str] = "discretization"
     names_reach_kernels: ClassVar[bool] = False
     operator: ClassVar[str] = "grid"
     configuration: ClassVar[str] = "current"
+    time_order: ClassVar[int] = 0
+
+    @classmethod
+    def capabilities(cls) -> dict[str, Any]:
+        return super().capabilities() | {"operator": cls.operator, "order in time": cls.time_order or None}
 
     def nodes_per_point(self, dim: int) -> int:
         """For ``operator = "stored"``: length of the neighbour lists."""

@@ -29,6 +29,9 @@ class Transfer(Component):
         gradient of a moving-least-squares fit; then affine must be "moment").
     passes : int
         XPIC: number of times the velocity passes between particles and grid; 1 for all others.
+    angular_momentum : bool
+        Whether angular momentum is conserved to rounding, that of the affine velocity fields included, with B-splines away from the
+        boundary and with an integrator that claims the same.
     """
 
     kind: ClassVar[str] = "transfer"
@@ -36,20 +39,36 @@ class Transfer(Component):
     affine: ClassVar[str] = "none"
     gradient: ClassVar[str] = "shape"
     passes: int = 1
+    angular_momentum: ClassVar[bool] = False
 
     @classmethod
     def capabilities(cls) -> dict[str, object]:
-        return super().capabilities() | {"affine": cls.affine}
+        return super().capabilities() | {"affine": cls.affine, "conserves angular momentum": cls.angular_momentum}
 
 
 class Integrator(Component):
     """The order of one step: a recipe of verbs that can be held against the paper.
 
     A subclass writes ``step(self, s)``; the verbs of ``s`` are documented in `mpmkit.interfaces.recipe.Recipe`.
+
+    Attributes
+    ----------
+    time_order : int
+        Order of the error in the time step on a given grid; 0 if none is claimed. The conformance suite observes it, for integrators with
+        a parameter ``dt``.
+    angular_momentum : bool
+        Whether angular momentum is conserved to rounding with a transfer that claims the same.
     """
 
     kind: ClassVar[str] = "integrator"
     names_reach_kernels: ClassVar[bool] = False
+    time_order: ClassVar[int] = 0
+    angular_momentum: ClassVar[bool] = False
+
+    @classmethod
+    def capabilities(cls) -> dict[str, object]:
+        more = {"order in time": cls.time_order or None, "conserves angular momentum": cls.angular_momentum}
+        return super().capabilities() | more
 
     def step(self, s: Recipe) -> None:
         """Write one step as a sequence of verbs; called once, when the simulation is composed."""
@@ -60,6 +79,8 @@ class Integrator(Component):
 class ExplicitIntegrator(Integrator):
     """An explicit integrator: what USF, USL and MUSL have in common. A subclass adds its parameter ``transfer``."""
 
+    time_order: ClassVar[int] = 1
+    angular_momentum: ClassVar[bool] = True
     transfer: ClassVar[Transfer]
     cfl: float = parameter("time step as a fraction of h / (|v| + c)", gt=0.0, le=1.0, default=0.4, kw_only=True)
     dt: float | None = parameter("fixed time step; automatic if not given", unit="s", gt=0.0, default=None, kw_only=True)

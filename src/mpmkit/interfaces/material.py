@@ -36,10 +36,14 @@ class ConstitutiveModel(Component):
         their shapes, only the xx components count.
     finite_strain : bool
         False for a small-strain measure, which is not objective under large rotation.
+    stretches : tuple of two float
+        Smallest and largest principal stretch for which the law is meant. The conformance suite goes there, in all directions: stress,
+        energies and wave speed must be finite, and the wave speed a bound.
     """
 
     kind: ClassVar[str] = "material"
     finite_strain: ClassVar[bool] = True
+    stretches: ClassVar[tuple[float, float]] = (0.7, 1.4)
     stress: ClassVar[Kernel]
     wave_speed: ClassVar[Kernel]
     energy: ClassVar[Kernel | None] = None
@@ -55,5 +59,10 @@ class ConstitutiveModel(Component):
 
     @classmethod
     def capabilities(cls) -> dict[str, object]:
-        more = {"finite strain": cls.finite_strain, "energy": cls.energy is not None, "uniaxial stress": cls.bar_stress is not None}
+        more: dict[str, object] = {
+            "finite strain": cls.finite_strain,
+            "energy": cls.energy is not None,
+            "uniaxial stress": cls.bar_stress is not None,
+        }
+        more["stretches"] = list(cls.stretches)
         return super().capabilities() | more

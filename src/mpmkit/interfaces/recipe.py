@@ -50,7 +50,8 @@ class Recipe:
     def limit(self, fraction: float) -> None:
         """Velocities for the strain, v_i = v_old + min(1, m_i / (fraction m_p)) (v - v_old): bounded where a node has little mass.
 
-        m_p is the mean particle mass. Only L_p sees them: momenta and positions keep the full update, so momentum is conserved.
+        m_p is the mean particle mass. Only L_p sees them, and the affine matrix of a transfer sees velocities limited at light nodes too:
+        momenta and positions keep the full update, so momentum is conserved.
         """
         self.verbs.append("limit")
         self.fraction = fraction

@@ -34,6 +34,8 @@ class ShapeFunction(Component):
         is limited at nodes lighter than half a particle.
     max_half : float
         Largest ``half`` [cells] for which ``nodes`` suffices.
+    positive : bool
+        Whether no weight is ever negative. With negative weights a node may be left with no mass, or less than none.
     """
 
     kind: ClassVar[str] = "shape"
@@ -44,7 +46,8 @@ class ShapeFunction(Component):
     order: ClassVar[int] = 1
     smooth: ClassVar[bool] = True
     max_half: float = 0.5
+    positive: ClassVar[bool] = True
 
     @classmethod
     def capabilities(cls) -> dict[str, object]:
-        return super().capabilities() | {"order": cls.order, "particle size": cls.particle_size}
+        return super().capabilities() | {"order": cls.order, "particle size": cls.particle_size, "positive": cls.positive}

@@ -134,6 +134,8 @@ def _parse_toml(text: str, source: str) -> dict[str, Any]:
         raise SceneError(f"{source} is not valid TOML: {error}{_line_of(text, str(error))}") from None
     except RecursionError:
         raise SceneError(f"{source} is nested too deep") from None
+    except ValueError as error:  # of Python's own reading of a number or a date
+        raise SceneError(f"{source} is not valid TOML: {error}") from None
 
 
 def _parse_json(text: str, source: str) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from mpmkit.errors import SceneError
+from mpmkit.errors import SceneError, shown
 
 
 class Wrong:
@@ -13,6 +13,8 @@ class Wrong:
 
 
 WRONG = Wrong()
+LONGEST = 80
+"""Characters of a key that are shown in a path."""
 
 
 class Mistakes:
@@ -37,7 +39,7 @@ class Mistakes:
     @contextmanager
     def at(self, step: str | int) -> Iterator[None]:
         """Enter a key of a table or an item of an array."""
-        self._path.append(f"[{step}]" if isinstance(step, int) else f".{step}")
+        self._path.append(f"[{step}]" if isinstance(step, int) else f".{step if len(step) <= LONGEST else shown(step)}")
         try:
             yield
         finally:

@@ -18,8 +18,14 @@ from mpmkit.record import Record
 SETTINGS: dict[str, Spec] = {
     "until": Spec("end time of the run", "s", gt=0.0, example=1.0),
     "precision": Spec("floating point numbers of the run", choices=("float64", "float32"), example="float64"),
+    "leaving": Spec("what happens to particles that leave the domain", choices=("stop", "remove", "clamp"), example="stop"),
+    "retries": Spec(
+        "how many times in a row failed steps are repeated with half the Courant number; 0: not at all", ge=0.0, le=20.0, example=3
+    ),
 }
 """Top level values of a scene file."""
+
+SETTING_TYPES: dict[str, type] = {"until": float, "precision": str, "leaving": str, "retries": int}
 
 SECTIONS: dict[str, type] = {"grid": Grid, "shape": ShapeFunction, "integrator": Integrator, "discretization": Discretization}
 """Top level tables of a scene file; each is an argument of `Simulation`."""

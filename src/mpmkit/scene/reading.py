@@ -10,7 +10,7 @@ import cattrs
 
 from mpmkit._core.registry import registry
 from mpmkit.description import plain
-from mpmkit.errors import MpmkitError, ParameterError, PluginError, did_you_mean
+from mpmkit.errors import MpmkitError, ParameterError, PluginError, did_you_mean, shown
 from mpmkit.interfaces import Component, ConstitutiveModel
 from mpmkit.parameters import Spec, convert, specs
 from mpmkit.scene.mistakes import WRONG, Mistakes, Wrong
@@ -21,6 +21,7 @@ from mpmkit.scene.parts import (
     REQUIRED,
     REQUIRED_FOR_MPM,
     SECTIONS,
+    SETTING_TYPES,
     SETTINGS,
     alternatives,
     holds_parts,
@@ -31,8 +32,6 @@ from mpmkit.scene.parts import (
     required,
 )
 from mpmkit.simulation import Simulation
-
-SETTING_TYPES = {"until": float, "precision": str}
 
 
 class Reader:
@@ -92,7 +91,7 @@ class Reader:
     def _read_materials(self, tables: Any) -> None:
         with self.mistakes.at(MATERIALS):
             if not isinstance(tables, dict):
-                self.mistakes.add(f"must be tables [materials.NAME], got {_short(tables)}")
+                self.mistakes.add(f"must be tables [materials.NAME], got {shown(tables)}")
                 return
             for name, table in tables.items():
                 with self.mistakes.at(name):
@@ -101,7 +100,7 @@ class Reader:
     def _list(self, key: str, tables: Any, cls: type) -> list[Any]:
         with self.mistakes.at(key):
             if not isinstance(tables, list):
-                self.mistakes.add(f"must be an array of tables, written [[{key}]], got {_short(tables)}")
+                self.mistakes.add(f"must be an array of tables, written [[{key}]], got {shown(tables)}")
                 return []
             made: list[Any] = []
             for k, table in enumerate(tables):
@@ -115,7 +114,7 @@ class Reader:
         names = ", ".join(known)
         if not isinstance(table, dict):
             example = next(iter(known), "...")
-            return self.mistakes.add(f'must be a table such as {{ kind = "{example}" }}, got {_short(table)}')
+            return self.mistakes.add(f'must be a table such as {{ kind = "{example}" }}, got {shown(table)}')
         if "kind" not in table:
             return self.mistakes.add(f"required key 'kind' is missing; one of {names}")
         with self.mistakes.at("kind"):
@@ -128,18 +127,18 @@ class Reader:
         """The class with this name among the alternatives to `cls`."""
         _, what = interface(cls)
         if not isinstance(name, str):
-            return self.mistakes.add(f"must be the name of a {what}, got {_short(name)}")
+            return self.mistakes.add(f"must be the name of a {what}, got {shown(name)}")
         if not issubclass(cls, Component):
             known = alternatives(cls)
             if name not in known:
-                return self.mistakes.add(f"no {what} named {name!r}{did_you_mean(name, known)}\n  known: {', '.join(known)}")
+                return self.mistakes.add(f"no {what} named {shown(name)}{did_you_mean(name, known)}\n  known: {', '.join(known)}")
             return known[name]
         try:
             return registry().get(name, *([cls.kind] if cls.kind else [])).component
         except PluginError as error:
             others = sorted({e.kind for e in registry().entries if e.name == name})
             note = (
-                f"{name!r} is a component of kind {' and '.join(others)}, here a {what} is wanted\n  "
+                f"{shown(name)} is a component of kind {' and '.join(others)}, here a {what} is wanted\n  "
                 if others and what not in others
                 else ""
             )
@@ -148,7 +147,7 @@ class Reader:
     def _fixed(self, table: Any, cls: type) -> Any:
         """An object of a class that has no alternatives, such as `Grid`."""
         if not isinstance(table, dict):
-            return self.mistakes.add(f"must be a table with the keys {', '.join(specs(cls))}, got {_short(table)}")
+            return self.mistakes.add(f"must be a table with the keys {', '.join(specs(cls))}, got {shown(table)}")
         return self._build(table, cls)
 
     def _build(self, table: dict[str, Any], cls: type) -> Any:
@@ -201,7 +200,7 @@ class Reader:
             if value not in self.materials:
                 names = ", ".join(self.materials) or "none"
                 hint_ = did_you_mean(value, self.materials)
-                return self.mistakes.add(f"no material is named {value!r} in [materials]{hint_} (named there: {names})")
+                return self.mistakes.add(f"no material is named {shown(value)} in [materials]{hint_} (named there: {names})")
             return self.materials[value]
         if is_part(hint):
             return self.converter.structure(value, hint)
@@ -213,12 +212,10 @@ class Reader:
             return convert(value, hint, spec, self.mistakes.path)
         except ParameterError as error:
             return self.mistakes.add(str(error))
-        except OverflowError:
-            return self.mistakes.add(f"is too large for a floating point number, got {_short(value)} ({describe(spec)})")
 
     def _unknown(self, key: str, known: Any, owner: str) -> None:
         with self.mistakes.at(key):
-            self.mistakes.add(f"unknown key {key!r}{did_you_mean(key, known)} ({owner} has {', '.join(known)})")
+            self.mistakes.add(f"unknown key {shown(key)}{did_you_mean(key, known)} ({owner} has {', '.join(known)})")
 
 
 def describe(spec: Spec) -> str:
@@ -229,9 +226,3 @@ def describe(spec: Spec) -> str:
     if spec.example is not None and not holds_parts(spec.example):
         parts.append(f"for example {json.dumps(plain(spec.example))}")
     return ", ".join(parts)
-
-
-def _short(value: Any) -> str:
-    """A value in a message, cut where it is long."""
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -122,7 +122,7 @@ class Writer:
         return WRONG
 
 
-SIMULATION_DEFAULTS = {"until": None, "precision": "float64"}
+SIMULATION_DEFAULTS = {"until": None, "precision": "float64", "leaving": "stop", "retries": 3}
 
 
 def is_default(value: Any, attribute: attrs.Attribute[Any]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from typing import Any
 
@@ -21,6 +22,11 @@ class Declared:
     function: CheckFunction
     applies: Condition
     once: bool
+
+    @property
+    def doc(self) -> str:
+        """What is checked, and how exactly."""
+        return inspect.getdoc(self.function) or ""
 
 
 CHECKS: list[Declared] = []
@@ -44,6 +50,8 @@ def check(
     """
 
     def add(function: CheckFunction) -> CheckFunction:
+        if any(other.name == name and (other.kind == kind or "all" in (kind, other.kind)) for other in CHECKS):
+            raise ValueError(f"two checks of {kind} are named {name!r}")
         CHECKS.append(Declared(kind, name, function, when, once))
         return function
 

@@ -17,7 +17,9 @@ RATE = 1.0
 def sample(component: Component, rng: Any) -> dict[str, Any]:
     """Everything that a kernel of this component may ask for beside its parameters, at one random point."""
     maker = MAKERS.get(component.kind)
-    return standard(rng) | (maker(component, rng) if maker else {})
+    given = maker(component, rng) if maker else {}
+    # how a transfer weighs velocities is known when a scene is composed: it sees nothing that changes from step to step or place to place
+    return given if component.kind == "transfer" else standard(rng) | given
 
 
 def vector(rng: Any, size: float = 1.0) -> tuple[float, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+import warnings
 import zlib
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
@@ -12,7 +14,15 @@ from mpmkit._core.registry import Broken, Entry, registry
 from mpmkit.errors import MpmkitError, PluginError, did_you_mean
 from mpmkit.interfaces import Component
 from mpmkit.testing.calling import variants
-from mpmkit.testing.collect import CHECKS, Declared
+from mpmkit.testing.checks import table
+from mpmkit.testing.collect import Declared
+
+ALWAYS = {
+    "entry point loads": "The plugin can be imported and returns component classes, and no other one of the kind has the same name.",
+    "examples construct": "The component can be built from the examples of its parameters, with each choice and example in turn.",
+    "known failures are checks": "Each entry of ``expected_failures`` names a check of this component; one that passes is a failure there.",
+}
+"""Checks that are made of every component beside those in the table of `mpmkit.testing.checks`."""
 
 Target = str | type[Component] | Component | None
 
@@ -85,18 +95,30 @@ def conformance(target: Target = None) -> Callable[..., None]:
 
 
 def report(target: Target = None) -> list[dict[str, Any]]:
-    """Run all checks; return plain data: component, kind, check, passed, reason (of a failure, or of a known one)."""
-    rows = []
-    for check in iter_checks(target):
-        kind = "plugin" if isinstance(check.component, str) else check.component.kind
-        name = check.component if isinstance(check.component, str) else check.component.__name__
-        row = {
-            "component": name,
-            "kind": kind,
-            "check": check.name,
-            "passed": True,
-            "reason": f"known failure: {check.known}" if check.known else "",
-        }
+    """Run all checks; one row of plain data for each.
+
+    Returns
+    -------
+    list of dict
+        component, kind, check, passed, reason (of a failure, or of a known one), known (whether the failure is declared), seconds,
+        warnings (texts of those that the check gave, each once).
+    """
+    return [run_one(check) for check in iter_checks(target)]
+
+
+def identity(check: Check) -> dict[str, Any]:
+    """Component, kind and name of a check, as in `report`."""
+    kind = "plugin" if isinstance(check.component, str) else check.component.kind
+    name = check.component if isinstance(check.component, str) else check.component.__name__
+    return {"component": name, "kind": kind, "check": check.name}
+
+
+def run_one(check: Check) -> dict[str, Any]:
+    """Run one check; a row of `report`. Whatever the component raises, SystemExit included, is a failure; its warnings are kept."""
+    row = identity(check) | {"passed": True, "reason": f"known failure: {check.known}" if check.known else "", "known": bool(check.known)}
+    began = time.perf_counter()
+    with warnings.catch_warnings(record=True) as given:
+        warnings.simplefilter("always")
         try:
             check.run()
         except KeyboardInterrupt:
@@ -104,8 +126,8 @@ def report(target: Target = None) -> list[dict[str, Any]]:
         except BaseException as error:  # noqa: BLE001  a component under test may raise anything; the others must be checked too
             reason = str(error) if isinstance(error, (AssertionError, MpmkitError)) else f"{type(error).__name__}: {error}"
             row |= {"passed": False, "reason": reason}
-        rows.append(row)
-    return rows
+    texts = dict.fromkeys(f"{warning.category.__name__}: {warning.message}" for warning in given)
+    return row | {"seconds": time.perf_counter() - began, "warnings": list(texts)}
 
 
 def _find(target: str | None) -> tuple[list[Entry], list[Broken]]:
@@ -140,27 +162,40 @@ def _unique(entry: Entry) -> Callable[[], None]:
 def _of_class(cls: type[Component]) -> Iterator[Check]:
     try:
         made = list(variants(cls))
-    except Exception as error:  # noqa: BLE001  reported as a failed check
-        failure = error
-
-        def run() -> None:
-            raise AssertionError(f"cannot build {cls.__name__} from the examples of its parameters: {failure}") from failure
-
-        yield Check(cls, "examples construct", run)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001  reported as a failed check
+        yield Check(cls, "examples construct", _failed(f"cannot build {cls.__name__} from the examples of its parameters: {error}", error))
         return
     yield Check(cls, "examples construct", lambda: None)
     yield from _of_instances(cls, made)
 
 
+def _failed(reason: str, error: BaseException) -> Callable[[], None]:
+    def run() -> None:
+        raise AssertionError(reason) from error
+
+    return run
+
+
 def _of_instances(cls: type[Component], made: list[tuple[str, Component]]) -> Iterator[Check]:
     names = []
     for suffix, component in made:
-        for declared in _table():
-            if declared.kind in ("all", cls.kind) and not (declared.once and suffix) and declared.applies(component):
-                name = declared.name + suffix
-                names.append(name)
-                known = cls.expected_failures.get(name, "")
-                yield Check(cls, name, _runner(declared, component, name, known), known)
+        for declared in table():
+            if declared.kind not in ("all", cls.kind) or (declared.once and suffix):
+                continue
+            name = declared.name + suffix
+            try:
+                if not declared.applies(component):
+                    continue
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:  # noqa: BLE001  a property of the component that fails is reported; other checks go on
+                yield Check(cls, name, _failed(f"{type(error).__name__}: {error}", error))
+                continue
+            names.append(name)
+            known = cls.expected_failures.get(name, "")
+            yield Check(cls, name, _runner(declared, component, name, known), known)
     yield Check(cls, "known failures are checks", lambda: _known(cls, names))
 
 
@@ -185,11 +220,3 @@ def _known(cls: type[Component], names: list[str]) -> None:
     for name in cls.expected_failures:
         if name not in names:
             raise AssertionError(f"{cls.__name__}.expected_failures names {name!r}, which is no check of it{did_you_mean(name, names)}")
-
-
-def _table() -> list[Declared]:
-    """All checks; the modules are imported here because they import numpy."""
-    from mpmkit.testing import boundaries, contacts, effects, every, integrators, materials, shapes
-
-    del boundaries, contacts, effects, every, integrators, materials, shapes
-    return CHECKS

@@ -87,8 +87,13 @@ class Composition:
 
     @property
     def softens(self) -> bool:
-        """The affine matrix is formed with velocities limited at light nodes, where kinked shape functions have full slopes."""
-        return self.shape is not None and not self.shape.smooth and self.transfer is not None and self.transfer.affine != "none"
+        """The affine matrix is formed with velocities limited at light nodes.
+
+        There kinked shape functions have full slopes; and where the recipe limits what the strain sees, stress could not act against
+        gradients that only the affine matrix has: energy would be made.
+        """
+        kinked_or_limited = self.shape is not None and (not self.shape.smooth or self.fraction > 0.0)
+        return kinked_or_limited and self.transfer is not None and self.transfer.affine != "none"
 
     @property
     def limits_velocities(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from mpmkit._core.composing import cautions, limits
 from mpmkit._core.composing.composition import Composition
 from mpmkit._core.composing.layout import SYMMETRIC, TENSOR
 from mpmkit._core.composing.schedule import schedule
@@ -12,7 +13,7 @@ from mpmkit.interfaces import BoundaryLayer, Component
 
 
 def check(c: Composition) -> list[str]:
-    """Refuse what does not work; return warnings about what is doubtful.
+    """Refuse what does not work; return warnings about what is known, or was found, to be unstable.
 
     Raises
     ------
@@ -43,7 +44,16 @@ def check(c: Composition) -> list[str]:
         _check_stored(c)
     if getattr(c.integrator, "mass", "lumped") == "consistent":
         _check_consistent(c)
-    return []
+    return cautions.warnings(c) + limits.warnings(c) + _negative_weights(c)
+
+
+def _negative_weights(c: Composition) -> list[str]:
+    if c.shape is None or c.shape.positive:
+        return []
+    return [
+        f"{type(c.shape).__name__} has negative weights: nodes at the edge of a body are left with no mass, or less than none, and their "
+        "momentum is lost. To fix: a shape function with positive weights, such as QuadraticBSpline"
+    ]
 
 
 def _all(c: Composition) -> list[Component]:
@@ -56,10 +66,10 @@ def _check_space(c: Composition, component: Component) -> None:
         from mpmkit._core.registry import registry
 
         others = [e.name for e in registry().of(component.kind).values() if c.grid.space in e.component.spaces]
+        instead = f"{', '.join(sorted(others))}, or another grid" if others else "another grid"
         raise CompositionError(
             f"{type(component).__name__} ({component.kind}) does not work in a grid that is {c.grid.space}; it works in "
-            f"{', '.join(component.spaces)}. "
-            f"To fix: one of {', '.join(sorted(others)) or 'no other'} , or another grid"
+            f"{', '.join(component.spaces)}. To fix: {instead}"
         )
 
 

@@ -209,10 +209,14 @@ def _mass_matrix(loop: ParticleLoop, operator: Any) -> str:
 
 
 def _edge(c: Composition) -> list[str]:
-    """How near a particle may come to a node of a kinked shape function, in cells."""
-    if c.shape is None or c.shape.smooth:
+    """How near a particle may come to a node of a kinked shape function, and to a face where weights are folded, in cells.
+
+    The moments of folded weights are differences, of which the square root of the last digit is left at that distance.
+    """
+    if c.shape is None:
         return []
-    return [f"edge = T({64.0 * float(np.finfo(c.sim.precision).eps)!r})"]
+    eps = float(np.finfo(c.sim.precision).eps)
+    return [f"edge = T({64.0 * eps!r})"] * (not c.shape.smooth) + [f"face = T({eps**0.5!r})"] * (c.shape.nodes > 2)
 
 
 def _header(c: Composition, names: Names, layout: NodeLayout) -> str:

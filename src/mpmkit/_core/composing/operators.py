@@ -55,8 +55,10 @@ class GridOperator:
         if self.nodes > 2:
             self.helper("fold", weights.fold_rule(self.nodes))
             two = ParticleLoop(loop.composition, loop.parameters, loop.names, group, loop.nodes)
-            self.helper(f"fold_{group.name}", weights.fold_function(two, self.ghosts))
-            lines += ["if edge[U(block)]:", f"    fold_{group.name}(P, tile, l0, l1, par, sc)"]
+            two.first = loop.first
+            fold = f"fold_{group.name}{kept}"
+            self.helper(fold, weights.fold_function(two, fold))
+            lines += ["if edge[U(block)]:", f"    {fold}(P, tile, l0, l1, par, sc)"]
         return lines
 
     def gather(self, loop: ParticleLoop, layout: NodeLayout, slot: int) -> tuple[list[str], list[str], dict[str, str], int]:

@@ -143,6 +143,8 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
             loop.summed("v_smooth", "w")
         if external:
             loop.field("v"), loop.field("m"), loop.summed("f_ext", "w")
+            if affine != "none":
+                loop.field("C"), loop.summed("f_ext", "k" if by_moment else "g")
         if by_moment:
             loop.summed(source, "w")
         if affine != "none":
@@ -150,6 +152,8 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         return
     if external:
         loop.line("v_before = v")
+        if affine != "none":
+            loop.line("C_before = C")
     if transfer is None:
         loop.line(f"v = ({', '.join(v_grid + ['zero'] * (3 - dim))})")
     else:
@@ -165,6 +169,12 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
             loop.store("C")
     if external:
         power = " + ".join(f"f_ext_w{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
+        if affine != "none":  # and on the affine part of the motion, whose kinetic energy is in the ledger too
+            second_moments(loop)
+            given, h = affine_matrix(loop, "f_ext", by_moment), [loop.along("h", b) for b in range(dim)]
+            for a in range(dim):
+                for b in range(dim):
+                    power += f" + {given[dim * a + b]} * (C_before[{3 * a + b}] + C[{3 * a + b}]) * (D{b} * {h[b]} * {h[b]})"
         loop.total("external", f"T(0.5) * m * ({power})")
     loop.store("v")
 
@@ -207,10 +217,15 @@ def advect(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         return
     new = [f"x[{a}] + dt * {v_grid[a]}" for a in range(dim)]
     loop.line(f"x = ({', '.join(new + ['zero'] * (3 - dim))})")
+    kept = []
     for a in range(dim):
-        low, high = loop.along("lower", a), loop.along("upper", a)
-        loop.watch("inside", f"min(x[{a}] - {low}, {high} - x[{a}])", ">=")
+        low, high, slack = (loop.along(name, a) for name in ("lower", "upper", "slack"))
+        # What rounding has put outside is on the face; a wall lets particles come as near as that.
+        loop.line(f"room{a} = min(x[{a}] - {low}, {high} - x[{a}])")
+        loop.watch("inside", f"room{a} + {slack}", ">=")
         loop.maximum("moved", f"abs(dt * {v_grid[a]}) * {loop.along('inv_h', a)}")
+        kept.append(f"min(max(x[{a}], {low}), {high}) if room{a} >= -{slack} else x[{a}]")
+    loop.line(f"x = ({', '.join(kept + ['zero'] * (3 - dim))})")
     loop.store("x")
 
 

@@ -63,6 +63,22 @@ def _of_grid(quantity: str, axis: int, roles: dict[str, Any]) -> float:
     return float(getattr(grid, quantity)[axis])
 
 
+def _slack(axis: int, precision: str, roles: dict[str, Any]) -> float:
+    """How far outside the domain [m] a particle may have got by rounding.
+
+    As near to a face as the square root of the last digit, in cells, a particle has the weights at that distance (`face`), with which it
+    may pass the face. Zero at an axis of revolution, on which no particle can lie.
+    """
+    import numpy as np
+
+    grid = roles["grid"]
+    if axis == 0 and grid.space == "axisymmetric" and grid.lower[0] == 0.0:
+        return 0.0
+    farthest = max(abs(grid.lower[axis]), abs(grid.upper[axis]))
+    eps = float(np.finfo(precision).eps)
+    return float(max(eps**0.5 * grid.spacing[axis], 4.0 * eps * farthest))
+
+
 def _component_of(role: str, name: str, k: int, roles: dict[str, Any]) -> float:
     return float(getattr(roles[role], name)[k])
 
@@ -89,7 +105,9 @@ class Text:
         return name
 
     def along(self, quantity: str, axis: int) -> str:
-        """A number of the grid along one axis: "lower", "upper", "h", "inv_h" or "last" (cell)."""
+        """A number of the grid along one axis: "lower", "upper", "h", "inv_h", "last" (cell) or "slack" (for rounding)."""
+        if quantity == "slack":
+            return self.parameter(f"slack{axis}", partial(_slack, axis, self.composition.sim.precision))
         return self.parameter(f"{quantity}{axis}", partial(_of_grid, quantity, axis))
 
     def parameter_lines(self) -> list[str]:

@@ -22,11 +22,7 @@ def weights_function(loop: ParticleLoop, name: str, ghosts: int, side: int, slop
         if not shape.smooth:
             # A particle on a node exactly would give its neighbour a force but no mass to carry it: momentum would be lost.
             special["f"] = f"min(max(f{a}, edge), T({n - 1}) - edge)"
-        if shape.particle_size != "none":
-            kept = c.keeps_size and not loop.first
-            half = f"{loop.field('size_now' if kept else 'size')}[{a}] * {inv_h}"
-            special["half"] = f"{half} * {loop.field('F')}[{4 * a}]" if shape.particle_size == "current" and not kept else half
-        arguments = [loop.argument(one, shape, "shape", "weights", special) for one in shape.weights.arguments]
+        arguments = _arguments(loop, a, special)
         lines += [
             f"xi{a} = ({x}[{a}] - {lower}) * {inv_h}",
             f"i{a} = min(floor(xi{a} - T({shape.offset})), {last})",
@@ -62,29 +58,53 @@ def weights_function(loop: ParticleLoop, name: str, ghosts: int, side: int, slop
     return "\n".join(text) + "\n"
 
 
-def fold_function(loop: ParticleLoop, ghosts: int) -> str:
-    """Weights of nodes outside the domain folded into the two outermost, in the blocks at the boundary only."""
+def _arguments(loop: ParticleLoop, a: int, special: dict[str, str]) -> list[str]:
+    """Arguments of the weights along axis a, at the place ``special["f"]``."""
+    c, shape = loop.composition, loop.composition.shape
+    assert shape is not None
+    if shape.particle_size != "none":
+        kept = c.keeps_size and not loop.first
+        half = f"{loop.field('size_now' if kept else 'size')}[{a}] * {loop.along('inv_h', a)}"
+        special["half"] = f"{half} * {loop.field('F')}[{4 * a}]" if shape.particle_size == "current" and not kept else half
+    return [loop.argument(one, shape, "shape", "weights", special) for one in shape.weights.arguments]
+
+
+def fold_function(loop: ParticleLoop, name: str) -> str:
+    """Weights of nodes outside the domain folded into the two outermost, in the blocks at the boundary only.
+
+    The outermost node then interpolates. A particle on it exactly would give its neighbour a force, or take a slope from it, but no
+    mass to carry them: momentum would be lost, and a velocity gradient come from nothing. Its weights are those a little inside.
+    """
     shape = loop.composition.shape
     assert shape is not None
     n, dim, slots = shape.nodes, loop.dim, Slots(loop.dim, shape.nodes)
-    lines = []
+    function = loop.names.of("weights", shape.weights.function)
+    lines: list[str] = []
     for a in range(dim):
         lower, inv_h, last = loop.along("lower", a), loop.along("inv_h", a), loop.along("last", a)
         x = f"P[U(b + {(loop.group.layout.start['x'] + a) * LANES} + l)]"
         lines.append(f"i = int(min(floor(({x} - {lower}) * {inv_h} - T({shape.offset})), {last}))")
         lines.append(f"n = int({last}) + 1")
         lines.append(f"if i < 0 or i > n - {n - 1}:")
+        place = lane(slots.f(a))
+        lines += [
+            f"    f = min(max({place}, face - T(i)), T(n - i) - face)",
+            f"    if f != {place}:",
+            f"        {place} = f",
+            f"        w, d = {function}({', '.join(_arguments(loop, a, {'f': 'f'}))})",
+            *(f"        {lane(row(a, k))} = {values}[{k}]" for values, row in (("w", slots.w), ("d", slots.d)) for k in range(n)),
+        ]
         for row in (slots.w, slots.d):
             lines.append(f"    w = fold(({', '.join(lane(row(a, k)) for k in range(n))}), i, n)")
             lines += [f"    {lane(row(a, k))} = w[{k}]" for k in range(n)]
     text = [
         "@compiled",
-        f"def fold_{loop.group.name}(P, tile, l0, l1, par, sc):",
+        f"def {name}(P, tile, l0, l1, par, sc):",
         '    """The weights of nodes outside the domain folded into the outermost ones."""',
         *loop.parameter_lines(),
         f"    b = tile * {loop.group.layout.size * LANES}",
         "    for l in range(l0, l1):",
-        *(f"        {line}" for line in lines),
+        *(f"        {line}" for line in (*loop.lines, *lines)),
     ]
     return "\n".join(text) + "\n"
 

@@ -10,7 +10,8 @@ import numpy as np
 from mpmkit._core.reading.frame import History
 from mpmkit._core.reading.vtkhdf import Reader
 from mpmkit._core.running.history import read_history
-from mpmkit._core.running.paths import history_path
+from mpmkit._core.running.leaving import COLUMNS as LEFT
+from mpmkit._core.running.paths import history_path, left_path
 from mpmkit.fields import PARTICLE_FIELDS
 
 
@@ -31,6 +32,9 @@ class Source(Protocol):
 
     def history(self) -> History:
         """The rows so far."""
+
+    def left(self) -> History:
+        """Particles that were taken out of the domain."""
 
 
 class FileSource:
@@ -66,6 +70,11 @@ class FileSource:
         """The rows so far."""
         return History(read_history(history_path(self._reader.path)))
 
+    def left(self) -> History:
+        """Particles that were taken out of the domain; none if there is no list."""
+        path = left_path(self._reader.path)
+        return History(read_history(path)) if path.exists() else table([])
+
 
 class MemorySource:
     """What a run without a record hands over."""
@@ -78,9 +87,11 @@ class MemorySource:
         history: Mapping[str, Any],
         meta: Mapping[str, Any],
         scene: str | None,
+        left: Sequence[Mapping[str, float]] = (),
     ) -> None:
         self._frames = [{name: np.asarray(a) for name, a in data.items()} for _, _, data in frames]
         self._history = History({name: np.asarray(column) for name, column in history.items()})
+        self._left = left
         self.meta, self.scene = meta, scene
         self.times = np.array([time for time, _, _ in frames], dtype=float)
         self.steps = np.array([step for _, step, _ in frames], dtype=np.int64)
@@ -96,3 +107,13 @@ class MemorySource:
     def history(self) -> History:
         """The rows."""
         return self._history
+
+    def left(self) -> History:
+        """Particles that were taken out of the domain."""
+        return table(self._left)
+
+
+def table(rows: Sequence[Mapping[str, float]]) -> History:
+    """Rows of the list of particles that were taken out, as columns."""
+    whole = ("step", "id", "body")
+    return History({name: np.array([row[name] for row in rows], dtype=np.int64 if name in whole else float) for name in LEFT})

@@ -16,7 +16,8 @@ from typing import Any, TypeVar
 import attrs
 import numpy as np
 
-from mpmkit._core.running.vtkhdf_check import check_ours, plain
+from mpmkit._core.running import vtkhdf_sums as sums
+from mpmkit._core.running.vtkhdf_check import DAMAGED, check_ours, damaged
 from mpmkit.errors import ResultsError
 
 T = TypeVar("T")
@@ -55,9 +56,9 @@ class Reader:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         check_ours(self.path)
-        self.layout: dict[str, Any] = self._look(lambda f: json.loads(f["mpmkit/layout"].asstr()[()]))
-        self.meta: dict[str, Any] = self._look(lambda f: json.loads(f["mpmkit/meta"].asstr()[()]))
-        self.scene: str | None = self._look(lambda f: f["mpmkit/scene"].asstr()[()].rstrip("\0") if "scene" in f["mpmkit"] else None)
+        self.layout: dict[str, Any] = self._look(sums.read_layout)
+        self.meta: dict[str, Any] = self._look(lambda f: json.loads(sums.read_text(f["mpmkit"], "meta")))
+        self.scene: str | None = self._look(lambda f: sums.read_text(f["mpmkit"], "scene") if "scene" in f["mpmkit"] else None)
         self.names: tuple[str, ...] = ("x", *self.layout["fields"], *self.layout["static"])
 
     def index(self) -> Index:
@@ -67,6 +68,7 @@ class Reader:
             root, steps = file["VTKHDF"], file["VTKHDF/Steps"]
             # the counter grows first, then the times: between the two the last frame is not yet ours to show
             n = min(int(steps.attrs["NSteps"]), steps["Values"].shape[0])
+            sums.check_tables(file, self.layout, n)
             counts = root["NumberOfPoints"][:]
             columns = [
                 steps["Values"][:n],
@@ -91,6 +93,8 @@ class Reader:
             rows: np.ndarray = stored[first : first + int(index.count[frame])]
             if len(rows) != index.count[frame]:
                 raise OSError(f"{name} of frame {frame} is shorter than it should be")
+            if sums.of_array(rows) != file["mpmkit/sums"][frame, sums.names(self.layout).index(name)]:
+                raise OSError(f"{name} of frame {frame} does not fit its checksum")
             return rows
 
         return self._look(read)
@@ -106,9 +110,9 @@ class Reader:
             try:
                 with h5py.File(self.path, "r", locking=False) as file:
                     return read(file)
-            except (OSError, KeyError, RuntimeError, ValueError, IndexError) as error:
+            except DAMAGED as error:
                 reason = error
                 clock.sleep(0.02 * attempt)
         if not self.path.exists():
             raise ResultsError(f"{self.path} is gone: it was moved or deleted while it was being read")
-        raise ResultsError(f"{self.path} is damaged: {plain(reason)}; copy it again from where it was written, or run the scene again")
+        raise damaged(self.path, reason)

@@ -53,7 +53,7 @@ def over_nodes(e: Engine, k: int, phase: Phase) -> Step:
     """A loop over the blocks of nodes of a field."""
     field, function = e.fields[k], getattr(e.module, phase.name)
     more = (e.dtype(phase.number),) if phase.name.startswith("filter") else ()
-    arguments = (field.G, field.n_nodes, where(e, field), *more, e.node_par, e.node_work[k])
+    arguments = (field.G, field.n_nodes, where(e, field), *more, e.field_par[k], e.node_work[k])
     ranges = parts(field.active, e.team.size)
 
     def run(t: Any, dt: Any) -> None:
@@ -149,10 +149,10 @@ def loads(e: Engine, phase: Phase) -> list[Step]:
         chosen, scratch = np.asarray(layer_of.chosen, dtype=np.int64), tuple[Any, ...]()
         order: Any = slice(None)
         if not e.c.stored_operator:
-            place = np.empty(s.n, dtype=np.int64)
-            place[s.ids] = np.arange(s.n)
-            order = np.argsort(place[chosen])
-            chosen = place[chosen][order]
+            where_now = s.places()[chosen]
+            order = np.argsort(where_now)
+            order = order[where_now[order] >= 0]  # points that have been taken out carry nothing
+            chosen = where_now[order]
             blocks = np.searchsorted(e.places.blocks[k].starts, chosen, side="right") - 1
             arguments = (arguments[0], blocks, *arguments[2:])
             scratch = (e.scratch[0][0], e.scratch[0][2])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmkit._core.composing.sweep import FORCE, IMPULSE
+from mpmkit._core.composing.sweep import FORCE, IMPULSE, WORK
 from mpmkit._core.running.bindings import face_nodes
 from mpmkit.errors import CompositionError
 
@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from mpmkit._core.running.engine import Engine
 
 LARGEST = 3000
+KEPT = 1e-3
+"""Smallest singular value, relative to the largest, that is solved for. Combinations of nodal velocities below are nearly unseen by the
+particles, but forces, which come from gradients, act on them: dividing by such a value makes energy out of nothing, the more so the wider
+the shape functions are."""
+EXTERNAL, BOUNDARY = WORK.index("external"), WORK.index("boundary")
 
 
 class ConsistentMomentum:
@@ -44,18 +49,24 @@ class ConsistentMomentum:
         f_ext = layout.start.get("f_ext")
         for a in range(dim):
             momentum, force = G[active, old + a].astype(float), G[active, new + a].astype(float)
-            for effect in e.c.effects.values():
-                if effect.acceleration is not None:
-                    force += M.sum(axis=1) * self._acceleration(effect, active, a, float(t))
+            m = M.sum(axis=1)
+            g = sum(self._acceleration(effect, a) for effect in e.c.effects.values() if effect.acceleration is not None)
+            force += m * g
             held, value = self._held(active, a)
             free = ~held
             v_old, v = value.copy(), value.copy()
             # nearest to the lumped velocities, which are exact in uniform motion: M leaves what no particle sees undetermined
-            lumped = momentum / M.sum(axis=1)
+            lumped = momentum / m
             rest = momentum - M[:, free] @ lumped[free] - M[:, held] @ value[held]
             v_old[free] = lumped[free] + _solve(M[np.ix_(free, free)], rest[free])
-            v[free] = v_old[free] + float(dt) * _solve(M[np.ix_(free, free)], force[free])
-            e.work[IMPULSE + a] += float((M[held] @ (v - v_old)).sum() - float(dt) * force[held].sum())
+            inner = M[np.ix_(free, free)]
+            # gravity apart, so that a body falls with it exactly also where M is singular
+            v[free] = v_old[free] + float(dt) * (g + _solve(inner, force[free] - g * inner.sum(axis=1)))
+            reaction = M[held] @ (v - v_old) - float(dt) * force[held]
+            e.work[IMPULSE + a] += float(reaction.sum())
+            e.work[BOUNDARY] += float(reaction @ value[held])
+            e.work[FORCE + a] += float(dt) * g * float(m.sum())
+            e.work[EXTERNAL] += float(dt) * g * float(m @ (0.5 * (v_old + v)))
             if f_ext is not None:
                 outer = G[active, f_ext + a].astype(float)
                 e.work[FORCE + a] += float(dt) * float(outer.sum())
@@ -74,14 +85,14 @@ class ConsistentMomentum:
             getattr(e.module, f"mass_matrix_{s.group.name}")(0, e.places.blocks[k].count, *arguments, t, dt)
         return M.astype(float)
 
-    def _acceleration(self, effect: Any, active: Any, a: int, t: float) -> Any:
+    def _acceleration(self, effect: Any, a: int) -> float:
         g = getattr(effect, "g", None)
         if g is None:
             raise CompositionError(
                 f"mass='consistent' works with Gravity and BodyForce; {type(effect).__name__} changes nodal accelerations. Use "
                 "mass='lumped'"
             )
-        return g[a]
+        return float(g[a])
 
     def _held(self, active: Any, a: int) -> tuple[Any, Any]:
         """Which nodes have component `a` prescribed, and its value: what `constrain` returns whatever it is given."""
@@ -122,5 +133,11 @@ class ConsistentMomentum:
 
 
 def _solve(A: Any, b: Any) -> Any:
-    """Least-squares solution of smallest norm; singular values below 1e-8 of the largest are dropped."""
-    return np.linalg.lstsq(A, b, rcond=1e-8)[0] if b.size else b
+    """Least-squares solution of smallest norm without singular values below `KEPT` of the largest, shifted to keep sum(A x) = sum(b).
+
+    The shift gives back what was dropped of the momentum, a share of up to sqrt(KEPT).
+    """
+    if not b.size:
+        return b
+    x = np.linalg.lstsq(A, b, rcond=KEPT)[0]
+    return x + (b.sum() - (A @ x).sum()) / A.sum()

@@ -117,4 +117,9 @@ class ContactPairs:
         m.choose_normals(count, pair.normals, pair.reach_a, pair.reach_b, e.dtype(1e-3 * e.c.grid.h))
         m.clear_shared(pair.found, count, *self._marks(pair))
         if not np.isfinite(pair.normals[:count]).all():
-            raise StabilityError(f"contact between bodies {a} and {b}: a normal is not a number at step {e.step_number}")
+            names = f"{e.stores[a].name!r} and {e.stores[b].name!r}"
+            raise StabilityError(
+                f"contact between bodies {names}: a normal is not a number, at step {e.step_number}, t = {e.t:.6g} s. To fix: lower cfl, "
+                "or look at the positions and sizes of their particles",
+                shorter=True,
+            )

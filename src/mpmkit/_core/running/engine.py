@@ -32,6 +32,8 @@ JOIN_BYTES = 128 * 2**20
 of twice, but holds more in registers, so that bodies that fit into the caches gain nothing. The results are the same to the bit.
 """
 FLAGS = ("inverted", "inside", "stretched")
+GONE = ("mass", "momentum_x", "momentum_y", "momentum_z", "energy", "dissipated", "particles")
+"""What has left the domain with particles that were taken out (see `leaving`); what they had dissipated stays with the rest of it."""
 
 
 @attrs.frozen
@@ -66,6 +68,8 @@ class Engine:
         By `ACCOUNTS`: fastest signal and largest diffusivity of the last step, dissipation and work of external forces so far.
     flags : bool[bodies, 3]
         Whether some particle is inverted, outside the domain, or wider than its shape function allows.
+    gone : float64[7]
+        By `GONE`: mass, momentum, energy of particles that were taken out.
     """
 
     def __init__(self, plan: Plan, stores: list[BodyStore], threads: int | None = None) -> None:
@@ -76,6 +80,7 @@ class Engine:
         self.t, self.step_number = 0.0, 0
         self.team = Team(chosen(threads, sum(s.n for s in stores)))
         self.work = np.zeros(len(WORK))
+        self.gone = np.zeros(len(GONE))
         self.clocks: dict[str, float] = {}
         self.flags = np.zeros((len(stores), len(FLAGS)), dtype=bool)
         self.outs = np.zeros((len(stores), len(ACCOUNTS)))
@@ -128,14 +133,21 @@ class Engine:
     def _parameters(self) -> None:
         c, plan, stores = self.c, self.plan, self.stores
         particle_mass = min(float(s.get("m").min()) for s in stores)
-        mean_mass = float(np.mean([s.get("m").mean() for s in stores]))
+        mean_masses = [float(s.get("m").mean()) for s in stores]
         self.m_small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
-        roles = c.roles() | {"m_limit": c.fraction * mean_mass, "m_light": 0.5 * mean_mass, "grid": c.grid, "m_small": self.m_small}
+        roles = c.roles() | {"grid": c.grid, "m_small": self.m_small} | self._light(float(np.mean(mean_masses)))
         self.node_par = plan.node_parameters.values(roles, self.dtype)
+        # What is a light node of a heavy body may be a full one of a light body: with a field for each body, each has its own measure.
+        own = mean_masses if c.contact is not None else []
+        self.field_par = [plan.node_parameters.values(roles | self._light(m), self.dtype) for m in own] or [self.node_par]
         self.body_par = [
             plan.group_parameters[s.group.name].values(roles | {"material": body.material}, self.dtype)
             for s, body in zip(stores, c.sim.bodies, strict=True)
         ]
+
+    def _light(self, mass: float) -> dict[str, float]:
+        """Masses of nodes that count as light, where a particle has this mass."""
+        return {"m_limit": self.c.fraction * mass, "m_light": 0.5 * mass}
 
     def _scratch(self) -> tuple[Any, ...]:
         """Arrays that one thread works in: rows of lanes, the same by particle, first nodes, arenas to read and to add to."""
@@ -166,7 +178,7 @@ class Engine:
         """Make the operations of a step anew, with the present arrays; for either side of the nodes if steps are joined."""
         if self.contact is not None:
             self.contact.update()
-        self.node_work = [np.zeros(f.active * len(WORK)) for f in self.fields]
+        self.node_work = [np.zeros(max(1, f.active) * len(WORK)) for f in self.fields]
         self.turns = []
         for _ in range(2 if self.joins else 1):
             self.turns.append(self._turn())
@@ -309,6 +321,7 @@ class Engine:
         row |= dict(zip(WORK, self.work, strict=True))
         row["external"] += float(self.outs[:, EXTERNAL].sum())
         row["viscous"] = float(self.outs[:, VISCOUS].sum())
+        row |= {f"left_{name}": float(value) for name, value in zip(GONE, self.gone, strict=True)}
         return {name: float(value) for name, value in row.items()}
 
     def _nodal_motion(self) -> dict[str, float]:
@@ -332,13 +345,13 @@ class Engine:
 
     def state(self) -> dict[str, Any]:
         """Every array that the next step depends on (views, not copies)."""
-        arrays = {f"P/{s.name}": s.P for s in self.stores} | {"work": self.work, "outs": self.outs}
+        arrays = {f"P/{s.name}": s.P for s in self.stores} | {"work": self.work, "outs": self.outs, "gone": self.gone}
         return arrays | (self.places.state() if not self.c.stored_operator else {"nodes": self.fields[0].G})
 
     def restore(self, arrays: dict[str, Any], t: float, step: int) -> None:
         for s in self.stores:
-            s.P[:] = arrays[f"P/{s.name}"]
-        self.work[:], self.outs[:] = arrays["work"], arrays["outs"]
+            s.take(arrays[f"P/{s.name}"], arrays.get(f"ids/{s.name}"), arrays.get(f"kept/{s.name}"))
+        self.work[:], self.outs[:], self.gone[:] = arrays["work"], arrays["outs"], arrays["gone"]
         if self.c.stored_operator:
             self.fields[0].G[:] = arrays["nodes"]
         else:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from mpmkit._core.running.engine import Engine
+from mpmkit._core.running.engine import FLAGS, Engine
 from mpmkit.errors import StabilityError
 
 
@@ -14,66 +16,80 @@ def check(engine: Engine) -> None:
     Raises
     ------
     StabilityError
-        NaN, J <= 0, a particle outside the domain; names particle, body, material, step and time.
+        NaN, J <= 0, a particle outside the domain; names particle, body, material, step and time, and whether a shorter step may help.
     """
     if engine.flags.any():
         _explain(engine)
     speed = engine.outs[:, 0].max()
     if not np.isfinite(speed):
         body = int(np.argmax(~np.isfinite(engine.outs[:, 0])))
-        raise StabilityError(
-            _where(engine, body, None, "the wave speed is not a number", "lower cfl, or look at the material's range of validity")
-        )
+        what = "the wave speed is not a number"
+        raise _failed(engine, body, None, what, "lower cfl, or look at the material's range of validity", shorter=True)
+
+
+def wrong(engine: Engine, body: int, flag: str) -> Any:
+    """Which particles of a body deserve a flag of `FLAGS`, bool[n], in the order of their numbers."""
+    store = engine.stores[body]
+    if flag == "inside":
+        at = store.get("x")
+        low, high = np.asarray(engine.c.grid.lower, at.dtype), np.asarray(engine.c.grid.upper, at.dtype)  # as the loops compare
+        return ~((at >= low) & (at <= high)).all(axis=1)
+    if flag == "inverted":
+        return ~(store.get("J") > 0.0)
+    shape = engine.c.shape
+    if shape is None or shape.particle_size != "current":
+        return np.zeros(store.n, dtype=bool)
+    stretch = store.get("F")[:, [0, 4, 8][: engine.c.dim]]
+    size = store.get("size")
+    return ~(size * stretch / np.asarray(engine.c.grid.spacing) <= shape.max_half).all(axis=1)
+
+
+def jumped(engine: Engine, body: int) -> bool:
+    """Whether a particle has moved by more than a cell in the last step: no time step allows that, so this is no flight."""
+    return not engine.c.stored_operator and not engine.places.pace[body] <= 1.0
 
 
 def _explain(engine: Engine) -> None:
     body = int(np.argmax(engine.flags.any(axis=1)))
-    store, (inverted, outside, _) = engine.stores[body], engine.flags[body]
-    at = store.get("x")
-    J_all = store.get("J")
-    if outside:
-        low, high = np.asarray(engine.c.grid.lower, at.dtype), np.asarray(engine.c.grid.upper, at.dtype)  # as the loops compare
-        wrong = ~((at >= low) & (at <= high)).all(axis=1)
-    elif inverted:
-        wrong = ~(J_all > 0.0)
-    else:
-        stretch = store.get("F")[:, [0, 4, 8][: engine.c.dim]]
-        shape = engine.c.shape
-        assert shape is not None
-        wrong = ~(store.get("size") * stretch / np.asarray(engine.c.grid.spacing) <= shape.max_half).all(axis=1)
-    particle = int(np.argmax(wrong))
-    x, v, J = at[particle], store.get("v")[particle], float(J_all[particle])
+    store = engine.stores[body]
+    raised = dict(zip(FLAGS, engine.flags[body].tolist(), strict=True))
+    flag = next(one for one in ("inside", "inverted", "stretched") if raised[one])
+    p = int(np.argmax(wrong(engine, body, flag)))
+    x, v, J = store.get("x")[p], store.get("v")[p], float(store.get("J")[p])
     if not (np.isfinite(x).all() and np.isfinite(v).all()):
-        raise StabilityError(_where(engine, body, particle, "position or velocity is not a number (NaN)", _cfl(engine)))
-    if outside:
+        raise _failed(engine, body, p, "position or velocity is not a number (NaN)", _cfl(engine), shorter=True)
+    if flag == "inside":
         grid = engine.c.grid
-        raise StabilityError(
-            _where(
-                engine,
-                body,
-                particle,
-                f"it left the domain: x = {_text(x)} m is outside {_text(grid.lower)} to {_text(grid.upper)}",
-                "enlarge the grid, or put a Wall or Symmetry on that face",
-            )
-        )
-    if not inverted:
+        where = f"x = {_text(x)} m is outside {_text(grid.lower)} to {_text(grid.upper)}"
+        if jumped(engine, body):
+            cells = engine.places.pace[body]
+            what = f"it left the domain in a step in which a particle of the body moved by {cells:.3g} cells: {where}"
+            raise _failed(engine, body, p, what, _cfl(engine), shorter=True)
+        what = f"it left the domain: {where}"
+        fix = 'enlarge the grid, put a Wall or Symmetry on that face, or choose Simulation(leaving="remove") or "clamp"'
+        raise _failed(engine, body, p, what, fix)
+    if flag == "stretched":
         assert engine.c.shape is not None
         shape = engine.c.shape
-        reason = f"it has been stretched to more than {2 * shape.max_half:g} cells, farther than {type(shape).__name__} reaches"
-        raise StabilityError(_where(engine, body, particle, reason, "raise reach, use more particles per cell, or a coarser grid"))
-    reason = "J = det F is not a number (NaN)" if not np.isfinite(J) else f"the material is inverted, J = {J:.4g} <= 0"
-    raise StabilityError(_where(engine, body, particle, reason, _cfl(engine)))
+        what = f"it has been stretched to more than {2 * shape.max_half:g} cells, farther than {type(shape).__name__} reaches"
+        raise _failed(engine, body, p, what, "raise reach, use more particles per cell, or a coarser grid", shorter=True)
+    what = "J = det F is not a number (NaN)" if not np.isfinite(J) else f"the material is inverted, J = {J:.4g} <= 0"
+    raise _failed(engine, body, p, what, _cfl(engine), shorter=True)
 
 
-def _where(engine: Engine, body: int, particle: int | None, what: str, fix: str) -> str:
+def _failed(engine: Engine, body: int, particle: int | None, what: str, fix: str, shorter: bool = False) -> StabilityError:
     store = engine.stores[body]
     material = type(engine.c.sim.bodies[body].material).__name__
-    who = f"particle {particle} of body" if particle is not None else "body"
-    return f"{who} {store.name!r} ({material}): {what}, at step {engine.step_number}, t = {engine.t:.6g} s. To fix: {fix}"
+    who = f"particle {store.points_now()[particle]} of body" if particle is not None else "body"
+    text = f"{who} {store.name!r} ({material}): {what}, at step {engine.step_number}, t = {engine.t:.6g} s. To fix: {fix}"
+    return StabilityError(text, shorter=shorter)
 
 
 def _cfl(engine: Engine) -> str:
-    cfl = getattr(engine.c.integrator or engine.c.discretization, "cfl", None)
+    stepper = engine.c.integrator or engine.c.discretization
+    fixed, cfl = getattr(stepper, "dt", None), getattr(stepper, "cfl", None)
+    if fixed is not None:
+        return f"a smaller dt (now {fixed:.3g} s), or leave dt out for an automatic time step; refine the grid"
     return (
         f"lower cfl (now {cfl:g}), refine the grid, or use a shape function of higher order" if cfl else "refine the grid or the time step"
     )

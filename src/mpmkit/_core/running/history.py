@@ -1,10 +1,14 @@
-"""The history of a run: one row of numbers every few steps, as CSV that anything can read."""
+"""The history of a run: one row of numbers every few steps, as CSV that anything can read.
+
+The last column, ``check``, is the CRC-32 of the first line and the row before it: a digit that has changed on the way is noticed.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
 import os
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any, Self
@@ -13,6 +17,9 @@ import numpy as np
 
 from mpmkit._core.running.paths import claim
 from mpmkit.errors import ResultsError
+
+CHECK = "check"
+"""Name of the column with the checksums."""
 
 
 class HistoryFile:
@@ -24,7 +31,7 @@ class HistoryFile:
 
     def __init__(self, path: Path, columns: tuple[str, ...], stream: IO[str]) -> None:
         self.path, self.columns, self._stream = path, columns, stream
-        self._writer = csv.writer(stream, lineterminator="\n")
+        self._head = _line((*columns, CHECK))
 
     @classmethod
     def create(cls, path: str | os.PathLike[str], columns: Sequence[str], overwrite: bool = False) -> HistoryFile:
@@ -45,15 +52,17 @@ class HistoryFile:
             If the file exists or cannot be written, or the columns are unfit.
         """
         columns = tuple(columns)
-        if "step" not in columns or len(set(columns)) < len(columns):
-            raise ResultsError(f"{path}: the columns of a history must be different names, one of them 'step'; got {list(columns)}")
+        if "step" not in columns or len({*columns, CHECK}) <= len(columns):
+            raise ResultsError(
+                f"{path}: the columns of a history must be different names, one of them 'step' and none {CHECK!r}; got {list(columns)}"
+            )
         path = claim(path, overwrite=overwrite, what="the history")
         try:
             stream = path.open("w", encoding="utf-8", newline="")
         except OSError as error:
             raise ResultsError(f"{path}: cannot write the history ({error.strerror}); choose a path that can be written") from error
         made = cls(path, columns, stream)
-        made._row(columns)
+        made._write(made._head)
         return made
 
     @classmethod
@@ -85,7 +94,8 @@ class HistoryFile:
             row = [row[name] for name in self.columns]
         if len(row) != len(self.columns):
             raise ResultsError(f"{self.path}: a row of {len(row)} numbers for {len(self.columns)} columns")
-        self._row([_text(value) for value in row])
+        line = _line([_text(value) for value in row])
+        self._write(f"{line},{_check(self._head, line)}")
 
     def truncate(self, step: int) -> None:
         """Drop all rows after `step`."""
@@ -102,12 +112,11 @@ class HistoryFile:
     def __exit__(self, *args: object) -> None:
         self.close()
 
-    def _row(self, texts: Sequence[str]) -> None:
+    def _write(self, line: str) -> None:
         try:
             if self._stream.closed:
                 self._stream = self.path.open("a", encoding="utf-8", newline="")
-                self._writer = csv.writer(self._stream, lineterminator="\n")
-            self._writer.writerow(texts)
+            self._stream.write(line + "\n")
             self._stream.flush()
         except OSError as error:
             raise ResultsError(f"{self.path}: cannot write a row of the history ({error.strerror}); the rows before it are kept") from error
@@ -128,13 +137,40 @@ def read_history(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
     """
     path = Path(path)
     columns = _header(path)
-    text = path.read_text(encoding="utf-8")
-    whole = text[: text.rfind("\n") + 1]  # a row without its end is still being written
-    rows = list(csv.reader(io.StringIO(whole)))[1:]
-    for number, row in enumerate(rows, start=2):
-        if len(row) != len(columns):
-            raise ResultsError(f"{path} is damaged: line {number} has {len(row)} entries for {len(columns)} columns")
+    try:
+        text = path.read_text(encoding="utf-8")
+        whole = text[: text.rfind("\n") + 1]  # a row without its end is still being written
+        head, *lines = whole.split("\n")[:-1]
+        rows = [_row(path, head, line, len(columns), number) for number, line in enumerate(lines, start=2)]
+    except (OSError, UnicodeDecodeError) as error:
+        raise _damaged(path, str(error)) from error
     return {name: _array([row[k] for row in rows]) for k, name in enumerate(columns)}
+
+
+def _line(texts: Sequence[str]) -> str:
+    """One line of the file, without its end."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="").writerow(texts)
+    return stream.getvalue()
+
+
+def _check(head: str, line: str) -> str:
+    return f"{zlib.crc32(line.encode(), zlib.crc32(head.encode())):08x}"
+
+
+def _row(path: Path, head: str, line: str, width: int, number: int) -> list[str]:
+    """The entries of a whole line that fits its checksum."""
+    body, _, check = line.rpartition(",")
+    if check != _check(head, body):
+        raise _damaged(path, f"line {number} does not fit its checksum")
+    row: list[str] = next(csv.reader([body]))
+    if len(row) != width:
+        raise _damaged(path, f"line {number} has {len(row)} entries for {width} columns")
+    return row
+
+
+def _damaged(path: Path, reason: str) -> ResultsError:
+    return ResultsError(f"{path} is damaged: {reason}; copy it again from where it was written, or run the scene again")
 
 
 def _header(path: Path) -> tuple[str, ...]:
@@ -146,19 +182,25 @@ def _header(path: Path) -> tuple[str, ...]:
     except (OSError, UnicodeDecodeError) as error:
         raise ResultsError(f"{path} is not a history: {error}") from error
     columns = tuple(next(csv.reader([first]), []))
-    if not first.endswith("\n") or "step" not in columns:
-        raise ResultsError(f"{path} is not a history: its first line must name the columns, one of them 'step'; found {first[:60]!r}")
-    return columns
+    if not first.endswith("\n") or "step" not in columns or columns[-1] != CHECK:
+        raise ResultsError(
+            f"{path} is not a history: its first line must name the columns, one of them 'step' and the last {CHECK!r}; "
+            f"found {first[:60]!r}"
+        )
+    return columns[:-1]
 
 
 def _truncate(path: Path, column: int, step: int | None) -> None:
     """Cut the file after the last whole row up to `step`; rows before it are not touched."""
+    columns = _header(path)
     with path.open("rb+") as file:
-        file.readline()
+        head = file.readline().decode().rstrip("\n")
         end = file.tell()
-        for line in iter(file.readline, b""):
-            row = next(csv.reader([line.decode()]), [])
-            if not line.endswith(b"\n") or len(row) <= column or (step is not None and int(row[column]) > step):
+        for number, line in enumerate(iter(file.readline, b""), start=2):
+            if not line.endswith(b"\n"):
+                break
+            row = _row(path, head, line[:-1].decode(errors="replace"), len(columns), number)
+            if step is not None and int(row[column]) > step:
                 break
             end = file.tell()
         file.truncate(end)

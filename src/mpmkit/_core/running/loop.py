@@ -15,11 +15,13 @@ import mpmkit
 from mpmkit._core.composing import contract, jit
 from mpmkit._core.composing.composition import collect
 from mpmkit._core.composing.plan import make_plan
-from mpmkit._core.running import checkpoint, guards, memory, snapshot, timestep, workers
+from mpmkit._core.running import checkpoint, guards, leaving, memory, snapshot, timestep, workers
+from mpmkit._core.running.alarm import CREATED_WARN, EnergyAlarm
 from mpmkit._core.running.engine import Engine
 from mpmkit._core.running.ledger import COLUMNS, Ledger
 from mpmkit._core.running.progress import Reporter
-from mpmkit._core.running.recorder import Recorder
+from mpmkit._core.running.recorder import Recorder, fixed
+from mpmkit._core.running.repeats import AWAY, Repeats
 from mpmkit._core.running.store import BodyStore
 from mpmkit._core.running.writing import Writer
 from mpmkit.errors import CompositionError, MpmkitError, ResultsError, StabilityError
@@ -30,10 +32,6 @@ if TYPE_CHECKING:
 
     from mpmkit.simulation import Simulation
 
-# Energy out of nothing, relative to the largest energy of the run, which contains it: at one half the energy has doubled.
-CREATED_WARN, CREATED_STOP = 0.05, 0.5
-# Steps without these guards: velocities lag by half a step, so after n steps under a sudden load 1/(2n) of the energy is missing or over.
-STAGGERED = 100
 COLLAPSE = 1e-6  # smallest time step relative to the first
 
 
@@ -55,7 +53,6 @@ class Run:
         ]
         if self.plan.composition.shape is not None:
             self._check_sizes(stores)
-        self.n_particles = sum(s.n for s in stores)
         self._stores = stores
         self._engine: Engine | None = None
         self._threads: int | None = None
@@ -67,8 +64,14 @@ class Run:
         self._whole = True  # no step has been begun and not come to a good end
         self.first_dt = 0.0
         self.limit: timestep.Limit | None = None
-        self._warned = False
+        self.alarm, self.repeats = EnergyAlarm(), Repeats()
+        self.left: list[leaving.Row] = []  # particles that were taken out
         self._stop = self._warm = False
+
+    @property
+    def n_particles(self) -> int:
+        """Particles that are there."""
+        return sum(s.n for s in self._stores)
 
     # --- composing ----------------------------------------------------------------------------------------------
     def _sample(self, c: Any) -> list[Any]:
@@ -113,6 +116,7 @@ class Run:
             self._engine.start()
             self.ledger = Ledger(self._engine)
             self.rows.append(self.ledger.row(0.0))
+            self.alarm.start(self._engine)
         return self._engine
 
     def use(self, threads: int | None) -> None:
@@ -142,6 +146,7 @@ class Run:
             with reporter.compiling():
                 self._warm_up()
         engine = self.engine
+        self._forget_later()
         try:
             guards.check(engine)
             if fresh:
@@ -155,14 +160,21 @@ class Run:
             raise
         finally:
             for r in self.recorders:
-                r.history.close()  # a further run opens it again
+                r.close()
         if not self.sim.records:
             self.frames.append((engine.t, engine.step_number, self.frame()))
         momentum = self.momentum_error()
         files = [path for r in self.recorders for path in r.files()]
-        reporter.finish(
-            engine.clocks, balance=self.ledger.last["balance"], momentum_error=momentum, files=files, writing=self.writer.seconds
-        )
+        balance, writing, notes = self.ledger.last["balance"], self.writer.seconds, self._notes()
+        reporter.finish(engine.clocks, balance=balance, momentum_error=momentum, files=files, writing=writing, notes=notes)
+
+    def _notes(self) -> dict[str, str]:
+        """What the summary must not keep quiet about."""
+        notes = {"steps repeated": self.repeats.summary()} if self.repeats.done else {}
+        if self.left:
+            mass = self.ledger.last["left_mass"]
+            notes["left the domain"] = f"{len(self.left)} particles, {mass:.4g} kg, the first at t = {self.left[0]['t']:.6g} s"
+        return notes
 
     def _warm_up(self) -> None:
         """Compile everything before the clock of the run starts: one very short step, then the state as it was."""
@@ -182,41 +194,128 @@ class Run:
         every = min((r.record.history for r in self.recorders), default=10)
         if engine.t >= until:
             return
-        self._snapshot = self._snapshot or snapshot.Snapshot(engine)
-        self._snapshot.take()
+        copies = self._snapshot = self._snapshot or snapshot.Snapshot(engine)
+        if not copies.kept:
+            copies.take(self.facts())
         with self._interruptible():
             while engine.t < until:
-                self.limit = timestep.next_step(engine)
-                target = min([until, *(r.next_time(engine.t) for r in self.recorders)])
-                dt, arrived = timestep.land(engine.t, self.limit.dt, target)
-                self.first_dt = self.first_dt or self.limit.dt
-                if not self.limit.dt > COLLAPSE * self.first_dt:
-                    raise StabilityError(
-                        f"the time step collapsed to {self.limit.dt:.3g} s (first one {self.first_dt:.3g} s) at step "
-                        f"{engine.step_number}, t = {engine.t:.6g} s; "
-                        f"limited by {self.limit.rule}. To fix: look at the body named there, lower cfl, or refine the grid"
-                    )
-                self._whole = False
-                engine.step(dt)
-                guards.check(engine)
-                self._whole = True
-                self.writer.check()
-                if arrived:
-                    engine.t = target  # frames lie on their times exactly
-                due = [r for r in self.recorders if arrived and r.due(engine.t, until)]
-                if engine.step_number % every == 0 or due or engine.t >= until:
-                    self.rows.append(self.ledger.row(dt))
-                    self._energy_guard()
+                try:
+                    dt, due = self._step(until, every)
+                except StabilityError as error:
+                    self._go_back(error, reporter)
+                    continue
+                written = due or engine.t >= until
+                if written or (copies.due() and self._calm(copies)):
+                    copies.take(self.facts(), alone=bool(written))  # before the checkpoint, which says so
                 for r in self.recorders:
                     r.after_step(engine.step_number, self.ledger.last, r in due)
+                reporter.n_particles = self.n_particles
                 reporter.update(engine.step_number, engine.t, dt, self.ledger.last["balance"], self.writer.seconds)
-                self._snapshot.take()
                 if self._stop:
                     raise KeyboardInterrupt
         for r in self.recorders:
             if r.record.checkpoint:
                 r.checkpoint(always=True)
         self.writer.finish()
+
+    def _calm(self, copies: snapshot.Snapshot) -> bool:
+        """Whether the state is worth a copy: not while energy is being made; but none gets twice as old as it should."""
+        if not copies.kept:
+            return True
+        last = copies.copies[-1]
+        risen = self.ledger.last["balance"] - last.facts["ledger"]["last"]["balance"]
+        return risen < CREATED_WARN or self.engine.step_number >= last.step + 2 * snapshot.EVERY
+
+    def _step(self, until: float, every: int) -> tuple[float, list[Recorder]]:
+        """One step, what it leaves to be looked at, and the records that want a frame of it."""
+        engine = self.engine
+        limit = timestep.next_step(engine)
+        self.first_dt = self.first_dt or limit.dt
+        if not limit.dt > COLLAPSE * self.first_dt:
+            raise StabilityError(
+                f"the time step collapsed to {limit.dt:.3g} s (first one {self.first_dt:.3g} s) at step {engine.step_number}, t = "
+                f"{engine.t:.6g} s; limited by {limit.rule}. To fix: look at the body named there, lower cfl, or refine the grid"
+            )
+        self.limit = self.repeats.slowed(limit, engine.t)
+        target = min([until, *(r.next_time(engine.t) for r in self.recorders)])
+        dt, arrived = timestep.land(engine.t, self.limit.dt, target)
+        self._whole = False
+        engine.step(dt)
+        self._take_out(leaving.act(engine, self.sim.leaving))
+        guards.check(engine)
+        self._whole = True
+        self.writer.check()
+        if arrived:
+            engine.t = target  # frames lie on their times exactly
+        due = [r for r in self.recorders if arrived and r.due(engine.t, until)]
+        asked = engine.step_number % every == 0 or due or engine.t >= until
+        if asked:
+            self.rows.append(self.ledger.row(dt, self.repeats.steps))
+        if asked or self.alarm.due(engine):
+            self.alarm.look(engine, self.ledger.last["balance"] if asked else self.ledger.balance(), self.limit.rule)
+        return dt, due
+
+    def _take_out(self, rows: list[leaving.Row]) -> None:
+        """List the particles that were taken out of the domain."""
+        if rows:
+            self.left += rows
+            for r in self.recorders:
+                r.write_left(rows)
+
+    # --- going back ---------------------------------------------------------------------------------------------
+    def facts(self) -> dict[str, Any]:
+        """What the run itself knows of the present state, as plain data."""
+        return {"first_dt": self.first_dt, "ledger": self.ledger.facts(), "alarm": self.alarm.facts()}
+
+    def _recall(self, facts: dict[str, Any]) -> None:
+        """The run as it was when these facts were written down."""
+        self.first_dt = facts["first_dt"]
+        self.ledger.recall(facts["ledger"])
+        self.alarm.recall(facts["alarm"])
+        self._whole = True
+
+    def _forget_later(self) -> None:
+        """Drop the rows after the present step: those of steps that a run has gone back behind."""
+        step = self.engine.step_number
+        for r in self.recorders:
+            r.go_back(step)
+        self.rows = [row for row in self.rows if row["step"] <= step]
+        self.left = [row for row in self.left if row["step"] <= step]
+
+    def saved_copies(self) -> tuple[dict[str, Any], list[dict[str, Any] | None]]:
+        """The copies to which a resumed run may have to go back, as arrays and plain data."""
+        return self._snapshot.save() if self._snapshot is not None else ({}, [])
+
+    def _go_back(self, error: StabilityError, reporter: Reporter) -> None:
+        """After a failed step: the last good copy and a smaller Courant number, or the error again if that would be of no use."""
+        engine, copies, most = self.engine, self._snapshot, self.sim.retries
+        stepper = engine.c.integrator or engine.c.discretization
+        why_not = ""
+        if not error.shorter:
+            raise error
+        if getattr(stepper, "dt", None) is not None:
+            why_not = "dt is fixed; with an automatic time step a failed step is done again with a smaller one"
+        elif not most:
+            why_not = "retries = 0"
+        elif copies is None or not copies.kept:
+            why_not = f"there is no copy in memory of a state of more than {snapshot.IN_MEMORY >> 20} MiB to go back to"
+        elif self.repeats.level >= most:
+            last = self.repeats.done[-1]
+            why_not = (
+                f"{most} times in a row was not enough, the last time from step {last.back_step}, t = {last.back_t:.6g} s, with the "
+                f"Courant number times {last.share:g} (retries = {most})"
+            )
+        if why_not:
+            error.args = (f"{error.args[0]}\nnot repeated: {why_not}", *error.args[1:])
+            raise error
+        assert copies is not None
+        failed = engine.step_number, engine.t
+        copy = copies.restore(AWAY)
+        self._recall(copy.facts)
+        self._forget_later()
+        told = self.repeats.went_back(*failed, copy.step, copy.t, str(error).split("\n")[0].split(". To fix")[0])
+        warnings.warn(f"{told}", stacklevel=5)
+        reporter.go_back(copy.step, copy.t)
 
     @contextmanager
     def _interruptible(self) -> Iterator[None]:
@@ -237,22 +336,6 @@ class Run:
         finally:
             signal.signal(signal.SIGINT, before)
 
-    def _energy_guard(self) -> None:
-        balance = self.ledger.last["balance"]
-        engine = self.engine
-        if not balance < (CREATED_STOP if engine.step_number >= STAGGERED else 1.0):
-            raise StabilityError(
-                f"energy was created: {balance:.3g} times the largest energy of the run, at step {engine.step_number}, t = "
-                f"{engine.t:.6g} s. "
-                "To fix: lower cfl; with USL use MUSL; see the history for when it began"
-            )
-        if balance > CREATED_WARN and engine.step_number >= STAGGERED and not self._warned:
-            self._warned = True
-            warnings.warn(
-                f"energy is being created: balance {balance:+.2%} at step {engine.step_number}, t = {engine.t:.6g} s (lower cfl?)",
-                stacklevel=4,
-            )
-
     # --- last good state ----------------------------------------------------------------------------------------
     def _leave(self, error: BaseException) -> None:
         """After a failure: the last good state, on disk where there is a record, in the simulation otherwise; the error says where."""
@@ -264,8 +347,8 @@ class Run:
             r.forget_lost()
         good = self._whole and not isinstance(error, StabilityError)
         if not good and self._snapshot.kept:
-            self._snapshot.restore()
-            good = self._whole = True
+            self._recall(self._snapshot.restore().facts)  # the rows of the steps that failed stay until the next run
+            good = True
         here = f"step {engine.step_number}, t = {engine.t:.6g} s"
         on_disk = [f"step {r.on_disk[1]}, t = {r.on_disk[0]:.6g} s, {r.path}" for r in self.recorders if r.on_disk]
         if good and unwritten is None and self.recorders:
@@ -311,10 +394,12 @@ class Run:
             )
         engine = self.engine
         engine.restore(arrays, float(attributes["t"]), int(attributes["step"]))
-        self.ledger.first_energy, self.ledger.scale = attributes["first_energy"], attributes["scale"]
-        self.first_dt = float(attributes["first_dt"])
         self.rows = [dict(zip(COLUMNS, row, strict=True)) for row in attributes["rows"]] or self.rows
-        self.ledger.last = self.rows[-1]
+        self.left = attributes["left"]
+        self.repeats.recall(attributes["repeats"])
+        self._recall(attributes["facts"])
+        self._snapshot = snapshot.Snapshot(engine)
+        self._snapshot.load(arrays, attributes["copies"], self.facts())
         self.recorders = [Recorder.resume(r, self, number) for r, number in zip(self.sim.records, attributes["frames"], strict=True)]
 
     def identity(self) -> dict[str, Any]:
@@ -330,7 +415,7 @@ class Run:
             "components": [_told(part) for part in parts if part is not None],
             "materials": parameters,
             "bodies": [s.name for s in self._stores],
-            "particles": [s.n for s in self._stores],
+            "particles": [s.begun for s in self._stores],
         }
 
     # --- what others read ---------------------------------------------------------------------------------------
@@ -339,7 +424,8 @@ class Run:
         stores = self._stores
         names = fields or tuple(f for f in stores[0].available() if all(f in s.available() for s in stores))
         out = {f: np.concatenate([s.get(f) for s in stores]) for f in names}
-        out["body"] = np.concatenate([np.full(s.n, k) for k, s in enumerate(stores)])
+        numbers = fixed(stores, with_size=False)
+        out["body"], out["id"] = numbers["body"].astype(int), numbers["id"]
         return out
 
     def history(self) -> dict[str, Any]:
@@ -351,7 +437,7 @@ class Run:
         scale = sum(float((s.get("m")[:, None] * np.abs(s.get("v"))).sum()) for s in self._stores)
         error = 0.0
         for a in "xyz":
-            gained = last[f"momentum_{a}"] - first[f"momentum_{a}"]
+            gained = last[f"momentum_{a}"] + last[f"left_momentum_{a}"] - first[f"momentum_{a}"]
             given = last[f"impulse_{a}"] + last[f"force_impulse_{a}"]
             scale = max(scale, abs(given))
             error = max(error, abs(gained - given))

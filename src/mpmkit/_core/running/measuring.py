@@ -18,7 +18,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from mpmkit._core.running import guards, timestep, twins
+from mpmkit._core.running import guards, leaving, timestep, twins
 from mpmkit._core.running.engine import Engine
 from mpmkit._core.running.loop import Run
 from mpmkit.errors import MpmkitError, ParameterError, StabilityError
@@ -103,7 +103,7 @@ def _phases(run: Run, base: Run, steps: int | None) -> tuple[dict[str, Any], flo
             begin = time.perf_counter()
             dt = timestep.next_step(engine).dt
             before = time.perf_counter()
-            engine.step(dt)
+            _step(engine, dt)
             after = time.perf_counter()
             guards.check(engine)
             around += before - begin + time.perf_counter() - after
@@ -134,7 +134,7 @@ def _writing(base: Run, record: Any, dt: float, step: float) -> dict[str, float]
         one = recorder.Recorder(attrs.evolve(record, path=path, checkpoint=False), base)
         spent = []
         for _ in range(3):
-            base.engine.step(dt)
+            _step(base.engine, dt)
             begin = time.perf_counter()
             one.after_step(base.engine.step_number, base.ledger.last, True)
             spent.append(time.perf_counter() - begin)
@@ -168,7 +168,7 @@ def _saved(
             done = 0
         times = {}
         for engine in pair if k % 2 else pair[::-1]:
-            engine.step(dt)  # sorts, and brings the arrays back into the caches
+            _step(engine, dt)  # sorts, and brings the arrays back into the caches
             times[id(engine)] = _steps(engine, count, dt)
         done += count + 1
         shares.append(1.0 - times[id(pair[1])] / times[id(pair[0])])
@@ -178,11 +178,17 @@ def _saved(
     return float(median(shares)), float(1.57 * (high - low) / math.sqrt(rounds)), rounds
 
 
+def _step(engine: Engine, dt: float) -> None:
+    """A step as a run does it."""
+    engine.step(dt)
+    leaving.act(engine, engine.c.sim.leaving)
+
+
 def _steps(engine: Engine, count: int, dt: float) -> float:
     """Wall time of some steps [s]."""
     begin = time.perf_counter()
     for _ in range(count):
-        engine.step(dt)
+        _step(engine, dt)
     return time.perf_counter() - begin
 
 

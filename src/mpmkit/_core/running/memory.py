@@ -72,7 +72,7 @@ def needed_bytes(plan: Plan) -> tuple[dict[str, int], int]:
         "sorting them": particles * SORTING,
         "the nodes": int(PARTLY_FILLED * cells) * itemsize * plan.node_layout.size,
         "a frame to be written": max((_frame(r.fields, c, particles) for r in sim.records), default=0),
-        "a copy of the state": state if state <= IN_MEMORY else 0,
+        "two copies of the state": 2 * state if state <= IN_MEMORY else 0,
     }
     return needed, particles
 

@@ -65,17 +65,21 @@ class SortedBodies:
         """Whether they are likely to be after one more step."""
         return bool((self.drift + 1.1 * self.pace <= FARTHEST).all())
 
+    def changed(self, k: int) -> None:
+        """Particles of body k have been taken out: it is sorted before anything else is done with it."""
+        self.drift[k] = np.inf
+
     def _run(self, tasks: Any) -> None:
         self.team.run(lambda thread, task: task(), list(tasks))
 
     def _sized(self, k: int) -> None:
         b = self.blocks[k]
         b.corner = (b.coords * self.lattice.B - 1).reshape(-1)
-        self.acc[k] = np.zeros(b.count * len(ACCOUNTS))
+        self.acc[k] = np.zeros(max(1, b.count) * len(ACCOUNTS))  # of a body without particles there is still a sum
 
     def ledger_acc(self, k: int, width: int) -> Any:
         """Accounts of the blocks of a body for the ledger, all zero."""
-        size = self.blocks[k].count * width
+        size = max(1, self.blocks[k].count) * width
         if self._ledger.size < size:
             self._ledger = np.zeros(size)
         self._ledger[:size] = 0.0
@@ -86,12 +90,13 @@ class SortedBodies:
         arrays: dict[str, Any] = {"drift": self.drift}
         for s, b in zip(self.stores, self.blocks, strict=True):
             arrays |= {f"ids/{s.name}": s.ids, f"blocks/{s.name}": b.coords, f"starts/{s.name}": b.starts}
+            if s.kept is not None:
+                arrays[f"kept/{s.name}"] = s.kept
         return arrays
 
     def restore(self, arrays: dict[str, Any]) -> None:
         self.drift[:] = arrays["drift"]
         for k, s in enumerate(self.stores):
-            s.ids[:] = arrays[f"ids/{s.name}"]
             self.blocks[k] = BodyBlocks.from_saved(self.lattice, arrays[f"blocks/{s.name}"], arrays[f"starts/{s.name}"])
             self._sized(k)
 

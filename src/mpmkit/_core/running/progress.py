@@ -92,6 +92,13 @@ class Reporter:
         if now >= self._next and not self.quiet:
             self._show(now)
 
+    def go_back(self, step: int, time: float) -> None:
+        """Steps are done again from here; what was done in vain counts as work, not as progress."""
+        self._step, self._time = step, time
+        self._start_step = min(self._start_step, step)
+        before = self._mark
+        self._mark = (before[0], min(before[1], time), before[2])
+
     def finish(
         self,
         phases: Mapping[str, float] | None = None,
@@ -100,6 +107,7 @@ class Reporter:
         momentum_error: float | None = None,
         files: Sequence[str | Path] = (),
         writing: float | None = None,
+        notes: Mapping[str, str] | None = None,
         status: str = "finished",
     ) -> None:
         """Close the line and print the summary.
@@ -116,6 +124,8 @@ class Reporter:
             What the run leaves.
         writing : float, optional
             Wall time for which writing results has held up the run [s]; that last given to `update` if none is given.
+        notes : mapping of str to str
+            What else happened, such as steps that were repeated.
         status : str
             "finished", or how it ended otherwise, such as "interrupted".
         """
@@ -145,6 +155,7 @@ class Reporter:
             facts["energy balance"] = f"{balance:+.1e}"
         if momentum_error is not None:
             facts["momentum error"] = f"{momentum_error:.1e}"
+        facts |= notes or {}
         console = self._console()
         mark = "▇" if console.encoding.startswith("utf") else "#"
         console.print(summary_table(facts, phases or {}, mark))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mpmkit._core.running import checkpoint, paths
+from mpmkit._core.running import checkpoint, leaving, paths
 from mpmkit._core.running.history import HistoryFile
 from mpmkit._core.running.ledger import COLUMNS
 from mpmkit._core.running.store import BodyStore, components_of
@@ -48,18 +49,18 @@ class Recorder:
         self.saved_step = -1
         self.on_disk: tuple[float, int] | None = None  # time and step of the last checkpoint that is written
         self.row_step = -1
+        self.left: HistoryFile | None = None  # made when the first particle is taken out
         self.times: list[float] = []
         history = paths.history_path(record.path)
         checkpoint.remove_stale(self.path)
         if resumed is None:
             widths = {f: components_of(f, stores[0]) for f in self.names}
-            body = np.concatenate([np.full(s.n, k, dtype=np.int32) for k, s in enumerate(stores)])
-            static = {"body": body, "id": np.arange(body.size, dtype=np.int32)}
-            if "size" not in widths:  # what pictures are drawn with
-                static["size"] = np.concatenate([_three(s.points.size) for s in stores])
+            static = fixed(stores, with_size="size" not in widths)
             self.file = ParticleFile.create(record.path, widths, static, SCALARS, run.meta(), record.compress, record.overwrite)
-            del static, body  # as much as half a frame, and written
+            del static  # as much as half a frame, and written
             self.history = HistoryFile.create(history, COLUMNS, overwrite=record.overwrite)
+            if paths.left_path(record.path).exists():
+                paths.claim(paths.left_path(record.path), overwrite=record.overwrite, what="the list of particles that left")
             self._row(run.ledger.last)
             self._frame(run.ledger.last)
             if record.checkpoint:
@@ -75,14 +76,15 @@ class Recorder:
             self.times = self.file.times.tolist()
             self.history = HistoryFile.reopen(history, run.engine.step_number)
             self.history.close()  # the first row opens it again
+            if paths.left_path(record.path).exists():
+                self.left = HistoryFile.reopen(paths.left_path(record.path), run.engine.step_number)
 
     @staticmethod
     def claim(record: Record) -> None:
         """Refuse, before anything is compiled, a path that may not be written."""
-        beside = (paths.history_path(record.path), paths.checkpoint_path(record.path))
+        beside = (paths.history_path(record.path), paths.checkpoint_path(record.path), paths.left_path(record.path))
         for path, what in ((Path(record.path), "results"), *((p, "the files of a run") for p in beside)):
-            if not path.exists() or not record.overwrite:  # an old file is removed when the new one is made, not before
-                paths.claim(path, overwrite=False, what=what)
+            paths.claim(path, overwrite=record.overwrite, what=what, remove=False)  # an old file goes when the new one is made, not before
 
     @classmethod
     def resume(cls, record: Record, run: Run, frames: int) -> Recorder:
@@ -124,15 +126,42 @@ class Recorder:
         with writer.holding_up():
             writer.wait((self, "frame"))  # first, so that there are never two frames in memory
             fields = _Fields(self.run._stores, self.names, self.file.dtype)
+            changed = (
+                fixed(self.run._stores, with_size="size" not in self.names) if any(s.kept is not None for s in self.run._stores) else {}
+            )
             numbers = {s: row[s] for s in SCALARS}
             # copies are written while the run goes on; of large frames one field after the other is written now, without a copy of all
-            data = dict(fields) if fields.nbytes < LARGE_FRAME else fields
+            large = fields.nbytes >= LARGE_FRAME
+            data = ChainMap(changed, fields) if large else {**fields, **changed}
             append = partial(self.file.append, engine.t, engine.step_number, fields["x"], data, numbers)
-            if data is fields:
+            if large:
                 append()
             else:
                 writer.submit((self, "frame"), append)
             self.times.append(engine.t)
+
+    def write_left(self, rows: list[dict[str, float]]) -> None:
+        """List particles that were taken out."""
+        if self.left is None:
+            path, overwrite = paths.left_path(self.record.path), self.record.overwrite
+            self.left = HistoryFile.create(path, leaving.COLUMNS, overwrite=overwrite)
+            rows = self.run.left
+        for row in rows:
+            self.left.append(row)
+
+    def go_back(self, step: int) -> None:
+        """Drop the rows after a step that is gone back to; frames are never later."""
+        for table in (self.history, self.left):
+            if table is not None:
+                table.truncate(step)
+        self.row_step = min(self.row_step, step)
+        self.saved_step = min(self.saved_step, step)
+
+    def close(self) -> None:
+        """Close the tables; a further run opens them again."""
+        for table in (self.history, self.left):
+            if table is not None:
+                table.close()
 
     def forget_lost(self) -> None:
         """After a failed write: only frames that are in the file count, and nothing half-written is left."""
@@ -154,7 +183,8 @@ class Recorder:
             with writer.holding_up():
                 writer.wait((self, "checkpoint"))
                 waited = time.perf_counter()
-                temporary = checkpoint.begin(path, engine.state(), self._attributes())
+                arrays, copies = self.run.saved_copies()
+                temporary = checkpoint.begin(path, engine.state() | arrays, self._attributes() | {"copies": copies})
                 spent = time.perf_counter() - waited
                 writer.submit((self, "checkpoint"), partial(self._seal, path, temporary, (engine.t, engine.step_number), spent))
             self.last_checkpoint, self.saved_step = began, engine.step_number
@@ -171,9 +201,9 @@ class Recorder:
         return run.identity() | {
             "t": engine.t,
             "step": engine.step_number,
-            "first_energy": run.ledger.first_energy,
-            "scale": run.ledger.scale,
-            "first_dt": run.first_dt,
+            "facts": run.facts(),
+            "repeats": run.repeats.facts(),
+            "left": [row for row in run.left if row["step"] <= engine.step_number],
             "rows": [[row[c] for c in COLUMNS] for row in run.rows if row["step"] <= engine.step_number],
             "frames": [r.frames_until(engine.t) for r in run.recorders] if run.recorders else [1] * len(run.sim.records),
             "scene": scene,
@@ -182,7 +212,7 @@ class Recorder:
 
     def files(self) -> list[Path]:
         """What this record leaves on disk."""
-        found = [Path(self.record.path), paths.history_path(self.record.path), self.path]
+        found = [Path(self.record.path), paths.history_path(self.record.path), paths.left_path(self.record.path), self.path]
         return [p for p in found if p.exists()]
 
 
@@ -208,6 +238,18 @@ class _Fields(Mapping[str, Any]):
         """Of all together, with the positions."""
         width = 3 + sum(components_of(name, self.stores[0]) for name in self.names)
         return sum(s.n for s in self.stores) * int(self.dtype.itemsize) * width
+
+
+def fixed(stores: Any, with_size: bool) -> dict[str, Any]:
+    """Arrays of a frame that change only when particles are taken out: body, id, and the size that pictures are drawn with."""
+    first = np.cumsum([0, *(s.begun for s in stores)])
+    out = {
+        "body": np.concatenate([np.full(s.n, k, dtype=np.int32) for k, s in enumerate(stores)]),
+        "id": np.concatenate([first[k] + s.points_now() for k, s in enumerate(stores)]).astype(np.int32),
+    }
+    if with_size:
+        out["size"] = np.concatenate([_three(s.points.size[s.points_now()]) for s in stores])
+    return out
 
 
 def _three(x: Any) -> Any:

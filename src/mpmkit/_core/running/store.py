@@ -50,14 +50,19 @@ class BodyStore:
         Computes one of the layout's derived fields in a range of tiles of 16 particles; given by the engine.
     ids : int32[n] or int64[n]
         Which particle, in the order of the body's points, lies at each place of the buffer; the buffer is sorted by place in space.
+    begun : int
+        Number of particles at the start; `n` becomes less when some are taken out.
+    kept : int array of n, or None
+        Which of the body's points the particles are, once some have been taken out; numbers of particles count only those that are there.
     """
 
     def __init__(self, group: Group, name: str, points: Any, rho: float, dtype: type) -> None:
-        self.group, self.name, self.n = group, name, len(points.x)
+        self.group, self.name, self.begun = group, name, len(points.x)
         self.layout = group.layout
-        self.tiles = (self.n + LANES - 1) // LANES
-        self.P: Any = aligned(self.tiles * LANES * self.layout.size, dtype)
-        self.ids: Any = np.arange(self.n, dtype=np.int32 if self.n < 2**31 else np.int64)
+        self._whole: Any = aligned(-(-self.begun // LANES) * LANES * self.layout.size, dtype)
+        self._whole_ids: Any = np.arange(self.begun, dtype=np.int32 if self.begun < 2**31 else np.int64)
+        self.kept: Any = None
+        self._resize(self.begun)
         self.points = points
         self.operator: tuple[Any, ...] = ()
         self.derive: Callable[[str, int, int], Any] = _not_running
@@ -83,6 +88,72 @@ class BodyStore:
         """Let go of the initial positions, which only loads of particle layers ask for again: they are a tenth of a large body's memory."""
         self.points = attrs.evolve(self.points, x=np.zeros((0, self.layout.dim)))
 
+    # --- particles that are taken out ---------------------------------------------------------------------------
+    def _resize(self, n: int) -> None:
+        """Use the first part of the memory that there was for all."""
+        self.n, self.tiles = n, -(-n // LANES)
+        self.P, self.ids = self._whole[: self.tiles * LANES * self.layout.size], self._whole_ids[:n]
+
+    def points_now(self) -> Any:
+        """Which of the body's points each particle is: int[n]."""
+        return np.arange(self.n) if self.kept is None else self.kept
+
+    def places(self) -> Any:
+        """Where each of the body's points lies in the buffer, -1 if it has been taken out: int64[begun]."""
+        place = np.full(self.begun, -1, dtype=np.int64)
+        place[self.points_now()[self.ids]] = np.arange(self.n)
+        return place
+
+    def columns(self, name: str, places: Any) -> Any:
+        """Stored components of a field at some places of the buffer: [places, components]."""
+        first, count = self.layout.start[name], len(self.layout.stored(name))
+        rows = first + np.arange(count)
+        return self._tiled()[(places // LANES)[:, None], rows[None, :], (places % LANES)[:, None]]
+
+    def set_columns(self, name: str, places: Any, values: Any) -> None:
+        """Write what `columns` reads."""
+        first, count = self.layout.start[name], len(self.layout.stored(name))
+        rows = first + np.arange(count)
+        self._tiled()[(places // LANES)[:, None], rows[None, :], (places % LANES)[:, None]] = values
+
+    def packed(self, places: Any) -> Any:
+        """Some particles in a buffer of their own, in the order of `places`."""
+        tiles = -(-len(places) // LANES)
+        buffer = aligned(tiles * LANES * self.layout.size, self.P.dtype.type)
+        there = np.arange(len(places))
+        buffer.reshape(tiles, self.layout.size, LANES)[there // LANES, :, there % LANES] = self._tiled()[places // LANES, :, places % LANES]
+        return buffer
+
+    def remove(self, places: Any) -> None:
+        """Take out the particles at some places; the last ones of the buffer fill the gaps, so it must be sorted again."""
+        places = np.sort(places)
+        left = self.n - len(places)
+        numbers, points = np.sort(self.ids[places]), self.points_now()
+        gaps = places[places < left]
+        last = np.setdiff1d(np.arange(left, self.n), places, assume_unique=True)
+        tiled = self._tiled()
+        tiled[gaps // LANES, :, gaps % LANES] = tiled[last // LANES, :, last % LANES]
+        self.ids[gaps] = self.ids[last]
+        self._resize(left)
+        self.ids -= np.searchsorted(numbers, self.ids).astype(self.ids.dtype)
+        self.kept = np.delete(points, numbers)
+
+    def keep(self, points: Any) -> None:
+        """Have the particles of these points of the body, in their order; their fields are set afterwards."""
+        if np.array_equal(points, self.points_now()):
+            return
+        self._resize(len(points))
+        self.ids[:] = np.arange(self.n)
+        self.kept = np.array(points) if self.n < self.begun else None
+
+    def take(self, P: Any, ids: Any = None, kept: Any = None) -> None:
+        """Become what was saved of `P`, `ids` and `kept`."""
+        if ids is not None:
+            self._resize(len(ids))
+            self.ids[:] = ids
+        self.kept = None if kept is None else np.array(kept)
+        self.P[:] = P
+
     def _tiled(self) -> Any:
         return self.P.reshape(self.tiles, self.layout.size, LANES)
 
@@ -90,7 +161,7 @@ class BodyStore:
         """The components of a field in tiles first to last as they lie in memory, (tiles, components, 16), or computed in that form."""
         last = self.tiles if last is None else min(last, self.tiles)
         if name in self.layout.derived:
-            return self.derive(name, first, last).reshape(last - first, -1, LANES)
+            return self.derive(name, first, last).reshape(last - first, len(self.layout.stored(name)), LANES)
         start = self.layout.start[name]
         return self._tiled()[first:last, start : start + len(self.layout.stored(name)), :]
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 
+from mpmkit._core.composing.limits import stable
 from mpmkit._core.running.engine import Engine
 from mpmkit.errors import StabilityError
 
 
 @attrs.frozen
 class Limit:
-    """A limit of the time step and the rule it comes from."""
+    """A limit of the time step and the rule it comes from; whether it is that of waves, at Courant number 1."""
 
     dt: float
     rule: str
+    waves: bool = False
 
 
 def limits(engine: Engine) -> list[Limit]:
@@ -23,9 +27,8 @@ def limits(engine: Engine) -> list[Limit]:
     out = []
     for store, row in zip(engine.stores, engine.outs, strict=True):
         if row[0] > 0.0:
-            out.append(
-                Limit(h / row[0], f"wave speed and particle speed of body {store.name!r}, h / (c + |v|) with c + |v| = {row[0]:.6g} m/s")
-            )
+            rule = f"wave speed and particle speed of body {store.name!r}, h / (c + |v|) with c + |v| = {row[0]:.6g} m/s"
+            out.append(Limit(h / row[0], rule, waves=True))
         if row[1] > 0.0:
             out.append(
                 Limit(h * h / (2.0 * dim * row[1]), f"viscosity of body {store.name!r}, h^2 / (2 dim nu) with nu = {row[1]:.6g} m^2/s")
@@ -51,18 +54,29 @@ def next_step(engine: Engine) -> Limit:
     stepper = engine.c.integrator or engine.c.discretization
     fixed, cfl = getattr(stepper, "dt", None), getattr(stepper, "cfl", 1.0)
     if not found:
+        if not any(store.n for store in engine.stores):
+            return Limit(fixed if fixed is not None else math.inf, "no particle is left in the domain")
         if fixed is not None:
             return Limit(fixed, "fixed dt; nothing moves or carries waves")
         raise StabilityError("no rule limits the time step (no wave speed, no motion); give the integrator a fixed dt")
     limit = min(found, key=lambda one: one.dt)
     if fixed is None:
         return Limit(cfl * limit.dt, limit.rule)
+    limit = min((_as_found(engine, one) for one in found), key=lambda one: one.dt)
     if fixed > limit.dt:
         raise StabilityError(
             f"fixed dt = {fixed:.6g} s is above the stable limit {limit.dt:.6g} s at step {engine.step_number}, t = {engine.t:.6g} s "
             f"({limit.rule}). To fix: dt <= {0.8 * limit.dt:.3g} s, a coarser grid, or leave dt out for an automatic time step"
         )
     return Limit(fixed, f"fixed dt = {fixed:.6g} s; stable up to {limit.dt:.6g} s: {limit.rule}")
+
+
+def _as_found(engine: Engine, limit: Limit) -> Limit:
+    """The limit at the largest Courant number at which the composition was found to be stable, if that is below 1."""
+    courant = stable(engine.c).courant
+    if not limit.waves or courant >= 1.0:
+        return limit
+    return Limit(courant * limit.dt, f"{limit.rule}, times {courant:g}, the largest at which these components were found to be stable")
 
 
 def land(t: float, dt: float, target: float) -> tuple[float, bool]:

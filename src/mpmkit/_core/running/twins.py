@@ -35,7 +35,8 @@ def twin(sim: Simulation, threads: int, leave_out: Place | None = None) -> Run:
     """
     from mpmkit._core.running.loop import Run
 
-    other = type(sim)(sim.grid, sim.shape, sim.integrator, discretization=sim.discretization, precision=sim.precision)
+    method = {"discretization": sim.discretization, "precision": sim.precision, "leaving": sim.leaving}
+    other = type(sim)(sim.grid, sim.shape, sim.integrator, **method)
     for kind in ("bodies", "boundaries", "contacts", "effects"):
         getattr(other, kind)[:] = [part for k, part in enumerate(getattr(sim, kind)) if (kind, k) != leave_out]
     run = Run(other)
@@ -47,9 +48,10 @@ def twin(sim: Simulation, threads: int, leave_out: Place | None = None) -> Run:
 def take_state(mine: Engine, theirs: Engine) -> None:
     """Bring an engine to the state of another one of the same bodies, field by field: those that only the other one has are left out."""
     for ours, original in zip(mine.stores, theirs.stores, strict=True):
+        ours.keep(original.points_now())
         for name in ours.layout.fields:
             ours.set(name, original.get(name))
-    mine.outs[:], mine.work[:] = theirs.outs, theirs.work
+    mine.outs[:], mine.work[:], mine.gone[:] = theirs.outs, theirs.work, theirs.gone
     mine.flags[:] = False
     if mine.c.stored_operator:
         _take_nodes(mine, theirs)

@@ -64,4 +64,5 @@ def _stored(store: BodyStore, name: str, out: Any) -> None:
             rows = np.tile(one, (len(found), 1))
             rows[:, list(stored)] = found
             found = rows
-        places[ids] = found[: len(ids)].view(row).reshape(-1)
+        # a single tile is turned without a copy, and then its rows are no rows in memory
+        places[ids] = np.ascontiguousarray(found[: len(ids)]).view(row).reshape(-1)

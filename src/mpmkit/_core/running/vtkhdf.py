@@ -11,6 +11,7 @@ Layout, for T frames and P *parts*; a part is one particle count, used again by 
         Values, PartOffsets, NumberOfParts, PointOffsets (T,), CellOffsets, ConnectivityIdOffsets (T, 4)
         PointDataOffsets/NAME    of fixed arrays; the others follow PointOffsets
     /mpmkit                      scene text and facts about the run (readers of VTKHDF ignore it)
+      sums (T, arrays)           checksums, see `vtkhdf_sums`
 
 The file is written with old HDF5 objects (`libver` "earliest" to "v110") and without locks: newer objects or SWMR would
 keep VTK from reading it before the run has ended. Data are flushed before ``NSteps`` grows, so a killed run leaves all
@@ -35,10 +36,11 @@ from typing import Any, Self
 
 import numpy as np
 
+from mpmkit._core.running import vtkhdf_sums as sums
 from mpmkit._core.running.disk import abandon, close_trimmed, reserve
 from mpmkit._core.running.paths import claim
 from mpmkit._core.running.vtkhdf_arrays import check_names, columns, plain
-from mpmkit._core.running.vtkhdf_check import FORMAT, check_ours
+from mpmkit._core.running.vtkhdf_check import DAMAGED, FORMAT, check_ours, damaged
 from mpmkit._core.running.vtkhdf_tables import add_part, append_rows, create_tables, dataset, shrink_tables
 from mpmkit.errors import ResultsError
 
@@ -62,16 +64,16 @@ class ParticleFile:
 
     def __init__(self, path: Path, file: Any) -> None:
         self.path, self._file = path, file
-        meta = json.loads(file["mpmkit/layout"].asstr()[()])
-        self.fields: dict[str, int] = meta["fields"]
-        self.static: tuple[str, ...] = tuple(meta["static"])
-        self.scalars: tuple[str, ...] = tuple(meta["scalars"])
-        self._compress: bool = meta["compress"]
-        self.dtype = np.dtype(meta["dtype"])
+        self._layout = sums.read_layout(file)
+        self.fields: dict[str, int] = self._layout["fields"]
+        self.static: tuple[str, ...] = tuple(self._layout["static"])
+        self.scalars: tuple[str, ...] = tuple(self._layout["scalars"])
+        self._compress: bool = self._layout["compress"]
+        self.dtype = np.dtype(self._layout["dtype"])
         self._root, self._steps = file["VTKHDF"], file["VTKHDF/Steps"]
         self.n_frames = min(int(self._steps.attrs["NSteps"]), self._steps["Values"].shape[0])
         self._parts: dict[int, tuple[int, int]] = {}
-        self._last_static: dict[str, tuple[int, int]] = {}  # first row and number of rows
+        self._last_static: dict[str, tuple[int, int, int]] = {}  # first row, number of rows, checksum
         self._synced = clock.monotonic()
 
     @classmethod
@@ -128,13 +130,13 @@ class ParticleFile:
         ours.attrs["format"] = np.int64(FORMAT)
         for name, text in (("layout", json.dumps(layout)), ("meta", json.dumps(meta)), ("scene", scene)):
             if text is not None:
-                # data sets, since an attribute holds no more than 64 kB
-                ours.create_dataset(name, data=text.encode() or b"\0", dtype=h5py.string_dtype("utf-8", max(1, len(text.encode()))))
+                sums.add_text(ours, name, text)
+        dataset(ours, "sums", (len(sums.names(layout)),), "u4", 128)
         create_tables(file, static, scalars)
         file.flush()
         made = cls(path, file)
         for name, array in static.items():
-            made._last_static[name] = (append_rows(made._root["PointData"][name], array), len(array))
+            made._last_static[name] = (append_rows(made._root["PointData"][name], array), len(array), sums.of_array(array))
         return made
 
     @classmethod
@@ -154,8 +156,13 @@ class ParticleFile:
             file = h5py.File(path, "r+", **_HDF5)
         except OSError as error:
             raise ResultsError(f"{path}: cannot append to these results ({error}); change its permissions or copy it") from error
-        made = cls(path, file)
-        made.truncate(made.n_frames)
+        try:
+            made = cls(path, file)
+            sums.check_tables(file, made._layout, made.n_frames)
+            made.truncate(made.n_frames)
+        except DAMAGED as error:
+            abandon(file)
+            raise damaged(path, error) from error
         return made
 
     @property
@@ -242,14 +249,20 @@ class ParticleFile:
         assert len(offsets) == 1, "all arrays of a frame begin at the same row"
         for name in self.static:
             if name in fixed:
-                self._last_static[name] = (append_rows(root["PointData"][name], fixed[name]), n)
+                self._last_static[name] = (append_rows(root["PointData"][name], fixed[name]), n, sums.of_array(fixed[name]))
             append_rows(steps["PointDataOffsets"][name], [self._last_static[name][0]])
         for name, value in numbers.items():
             append_rows(steps["FieldDataOffsets"][name], [append_rows(root["FieldData"][name], [value])])
         cells = [[first_cell, 0, 0, 0]]
-        table: dict[str, Any] = {"PartOffsets": [part], "NumberOfParts": [1], "PointOffsets": [offsets.pop()]}
+        first = offsets.pop()
+        table: dict[str, Any] = {"PartOffsets": [part], "NumberOfParts": [1], "PointOffsets": [first]}
         for name, row in {**table, "CellOffsets": cells, "ConnectivityIdOffsets": cells}.items():
             append_rows(steps[name], row)
+        static = [self._last_static[name] for name in self.static]
+        of_tables = sums.of_frame(
+            [time, *(numbers[name] for name in self.scalars)], [numbers["step"], first, n, *(start for start, _, _ in static)]
+        )
+        append_rows(self._file["mpmkit/sums"], [[of_tables, *map(sums.of_array, rows.values()), *(one for _, _, one in static)]])
         self._file.flush()  # the frame is in the file ...
         steps.attrs.modify("NSteps", np.int64(self.n_frames + 1))
         self._file.flush()  # ... before the counter shows it ...
@@ -269,6 +282,8 @@ class ParticleFile:
         self._file.flush()
         self.n_frames = n_frames
         self._parts = shrink_tables(self._root, n_frames)
+        kept = self._file["mpmkit/sums"]
+        kept.resize(n_frames, axis=0)
         arrays = [self._root["Points"], *(self._root["PointData"][k] for k in self.fields)] if "Points" in self._root else []
         end = 0
         if n_frames:
@@ -278,12 +293,12 @@ class ParticleFile:
             array.resize(end, axis=0)
         self._last_static = {}
         for name in self.static:
-            stored = self._root["PointData"][name]
+            stored, column = self._root["PointData"][name], sums.names(self._layout).index(name)
             first = int(self._steps["PointDataOffsets"][name][n_frames - 1]) if n_frames else 0
             # with the last frame's particle count, except before the first frame: then all there is
             count = int(counts[self._steps["PartOffsets"][n_frames - 1]]) if n_frames else stored.shape[0]
             stored.resize(first + count, axis=0)
-            self._last_static[name] = (first, count)
+            self._last_static[name] = (first, count, int(kept[n_frames - 1, column]) if n_frames else sums.of_array(stored[:]))
         self._file.flush()
 
     def close(self) -> None:
@@ -333,7 +348,7 @@ class ParticleFile:
     def _fixed(self, name: str, data: Mapping[str, np.ndarray], n: int) -> np.ndarray | None:
         """A fixed array that must be written with this frame; None if the last one in the file still holds."""
         stored = self._root["PointData"][name]
-        first, rows = self._last_static[name]
+        first, rows, _ = self._last_static[name]
         shape, array = (rows, *stored.shape[1:]), None
         if name in data:
             array = np.asarray(data[name]).astype(stored.dtype)

@@ -6,8 +6,10 @@ from pathlib import Path
 
 from mpmkit.errors import ResultsError
 
-FORMAT = 1
+FORMAT = 2
 """Version of the group ``/mpmkit``."""
+DAMAGED = (OSError, KeyError, RuntimeError, ValueError, IndexError, TypeError, AttributeError, MemoryError, OverflowError)
+"""What a damaged file is noticed by: HDF5's own errors, and things that are missing or of another kind than they should be."""
 
 
 def check_ours(path: Path) -> None:
@@ -33,16 +35,24 @@ def check_ours(path: Path) -> None:
                     f"{path} is a VTKHDF file of another program (type {kind}): it has no group /mpmkit; open it in ParaView instead"
                 )
             found = int(file["mpmkit"].attrs["format"])
-    except (OSError, RuntimeError, KeyError, ValueError) as error:
-        what = "truncated" if "truncated" in str(error) else "damaged"
-        raise ResultsError(
-            f"{path} is {what} ({size} bytes): {plain(error)}; copy it again from where it was written, or run the scene again"
-        ) from error
+    except DAMAGED as error:
+        raise damaged(path, error) from error
     if found != FORMAT:
-        raise ResultsError(f"{path} was written in format {found}, this mpmkit reads format {FORMAT}; update mpmkit")
+        raise ResultsError(
+            f"{path} was written in format {found}, this mpmkit reads format {FORMAT}; read it with the version that wrote it"
+        )
+
+
+def damaged(path: Path, error: BaseException) -> ResultsError:
+    """The error to raise for a file that cannot be read."""
+    what = "truncated" if "truncated" in str(error) else "damaged"
+    return ResultsError(
+        f"{path} is {what} ({path.stat().st_size} bytes): {plain(error)}; copy it again from where it was written, or run the scene again"
+    )
 
 
 def plain(error: BaseException) -> str:
     """The reason without HDF5's words around it."""
     text = str(error).strip("'\"")
-    return text[text.find("(") + 1 : text.rfind(")")] if "(" in text and text.endswith(")") else text
+    inner = text[text.find("(") + 1 : text.rfind(")")] if "(" in text and text.endswith(")") else ""
+    return inner if any(c.isalpha() for c in inner) else text

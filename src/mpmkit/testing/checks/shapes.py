@@ -10,7 +10,6 @@ from mpmkit.interfaces import ShapeFunction
 from mpmkit.testing.calling import call
 from mpmkit.testing.collect import check, expect, expect_close
 from mpmkit.testing.element import Array
-from mpmkit.testing.flight import check_free_flight
 
 ROUNDING = 1e-13
 """Tolerance (rounding): a few hundred machine epsilons of a weight of size 1."""
@@ -38,17 +37,25 @@ def places(shape: ShapeFunction, rng: Any, n: int = 40) -> Array:
 
 @check("shape", "partition of unity")
 def partition_of_unity(shape: ShapeFunction, rng: Any) -> None:
-    """Weights add up to 1 and slopes to 0."""
+    """Weights add up to 1, so that mass and momentum reach the nodes in full. Tolerance (rounding): 1e-13."""
     for half in halves(shape):
         for f in places(shape, rng):
-            weights, slopes = values(shape, f, half)
+            weights, _ = values(shape, f, half)
             expect_close(weights.sum(), 1.0, ROUNDING, f"sum of weights at f = {f:.3f}, half = {half:g}")
+
+
+@check("shape", "slopes add up to zero")
+def slopes_add_up_to_zero(shape: ShapeFunction, rng: Any) -> None:
+    """A uniform velocity has no gradient, and internal forces add up to zero. Tolerance (rounding): 1e-13."""
+    for half in halves(shape):
+        for f in places(shape, rng):
+            _, slopes = values(shape, f, half)
             expect_close(slopes.sum(), 0.0, ROUNDING, f"sum of slopes at f = {f:.3f}, half = {half:g}")
 
 
 @check("shape", "linear fields are reproduced")
 def linear_fields_are_reproduced(shape: ShapeFunction, rng: Any) -> None:
-    """The nodes' places interpolate to the particle's place, with slope 1."""
+    """The nodes' places interpolate to the particle's place, with slope 1. Tolerance (rounding): 1e-12."""
     nodes = np.arange(shape.nodes)
     for half in halves(shape):
         for f in places(shape, rng):
@@ -57,13 +64,23 @@ def linear_fields_are_reproduced(shape: ShapeFunction, rng: Any) -> None:
             expect_close(slopes @ nodes, 1.0, 10 * ROUNDING, f"slope of the interpolated place at f = {f:.3f}, half = {half:g}")
 
 
-@check("shape", "weights are not negative")
+def lowest(shape: ShapeFunction, rng: Any) -> float:
+    """The smallest weight that is found."""
+    return min(float(values(shape, f, half)[0].min()) for half in halves(shape) for f in places(shape, rng))
+
+
+@check("shape", "weights are not negative", when=lambda shape: shape.positive)
 def weights_are_not_negative(shape: ShapeFunction, rng: Any) -> None:
-    """A negative weight would give a node a negative mass."""
-    for half in halves(shape):
-        for f in places(shape, rng):
-            weights, _ = values(shape, f, half)
-            expect(weights.min() >= -ROUNDING, f"weight {weights.min():.3g} at f = {f:.3f}, half = {half:g}")
+    """A negative weight could give a node a negative mass; a shape function that has some declares ``positive = False``."""
+    found = lowest(shape, rng)
+    expect(found >= -ROUNDING, f"weight {found:.3g} < 0; declare positive = False if that is meant")
+
+
+@check("shape", "negative weights are there where declared", when=lambda shape: not shape.positive)
+def negative_weights_are_there(shape: ShapeFunction, rng: Any) -> None:
+    """``positive = False`` warns users; it must be true."""
+    found = lowest(shape, rng)
+    expect(found < -ROUNDING, f"positive = False is declared, but no weight is below {found:.3g}")
 
 
 @check("shape", "slopes are derivatives of the weights")
@@ -87,9 +104,23 @@ def continuous_across_cells(shape: ShapeFunction, rng: Any) -> None:
         expect_close([last[0], first[-1]], [0.0, 0.0], ROUNDING, f"weights at the ends of the support, half = {half:g}")
 
 
+@check("shape", "slopes are continuous where claimed", when=lambda shape: shape.smooth)
+def slopes_are_continuous(shape: ShapeFunction, rng: Any) -> None:
+    """With ``smooth`` slopes do not jump, neither at a node nor between cells. Tolerance (rate): ten times the distance of 1e-7 cells."""
+    step = 1e-7
+    for half in halves(shape)[1:] or halves(shape):
+        slack = 10.0 * step / min(half, 1.0)
+        last, first = values(shape, shape.offset + 1.0 - step, half)[1], values(shape, shape.offset + step, half)[1]
+        expect_close(last[1:], first[:-1], slack, f"slopes on both sides of the jump of the first node, half = {half:g}")
+        expect_close([last[0], first[-1]], [0.0, 0.0], slack, f"slopes at the ends of the support, half = {half:g}")
+        for f in shape.offset + np.arange(1, 16) / 16.0:
+            before, after = values(shape, f - step, half)[1], values(shape, f + step, half)[1]
+            expect_close(after, before, slack, f"slopes on both sides of f = {f:.4f}, half = {half:g}")
+
+
 @check("shape", "mirror symmetric")
 def mirror_symmetric(shape: ShapeFunction, rng: Any) -> None:
-    """The mirrored particle has the mirrored weights: no direction is preferred."""
+    """The mirrored particle has the mirrored weights: no direction is preferred. Tolerance (rounding): 1e-13 for weights."""
     for half in halves(shape):
         for f in places(shape, rng):
             weights, slopes = values(shape, f, half)
@@ -101,7 +132,7 @@ def mirror_symmetric(shape: ShapeFunction, rng: Any) -> None:
 
 @check("shape", "declared order is reproduced")
 def declared_order_is_reproduced(shape: ShapeFunction, rng: Any) -> None:
-    """For every degree up to ``order`` there are nodal values that give that power of f in the cell; not for one degree more."""
+    """For every degree up to ``order`` there are nodal values that give that power of f in the cell; tolerance (rounding): 1e-10."""
     half = halves(shape)[0]
     f = shape.offset + np.linspace(0.01, 0.99, 25)
     weights = np.array([values(shape, x, half)[0] for x in f])
@@ -123,9 +154,3 @@ def describes_its_support(shape: ShapeFunction, rng: Any) -> None:
     expect(
         2.0 * shape.offset == shape.nodes - 2, f"{name}: {shape.nodes} nodes around the particle need offset = {(shape.nodes - 2) / 2:g}"
     )
-
-
-@check("shape", "free flight", when=lambda shape: "plane strain" in shape.spaces)
-def shape_free_flight(shape: ShapeFunction, rng: Any) -> None:
-    """A body that nothing acts on keeps its velocity exactly, in two dimensions."""
-    check_free_flight(shape=shape)

@@ -69,8 +69,22 @@ def damping_brakes(effect: Effect, rng: Any) -> None:
         expect_close(call(effect, effect.acceleration, given | {"v": (0.0, 0.0, 0.0)}), np.zeros(3), 0.0, "acceleration at rest")
 
 
-@check("effect", "rates are rates", once=True)
+@check("effect", "rates are rates")
 def rates_are_rates(effect: Effect, rng: Any) -> None:
-    """Limits of the time step are finite and not negative."""
+    """Limits of the time step are finite and not negative, and have names."""
     for rule, rate in effect.rates().items():
         expect(rule and 0.0 <= rate < np.inf, f"rate {rule!r} is {rate}")
+
+
+@check("effect", "rates keep damping stable", when=lambda effect: effect.work == "dissipated" and effect.acceleration is not None)
+def rates_keep_damping_stable(effect: Effect, rng: Any) -> None:
+    """In a time step of 1 / rate, the longest that ``rates`` allows, no node becomes faster. Tolerance (rounding): 1e-12."""
+    assert effect.acceleration is not None
+    rate = max(effect.rates().values(), default=0.0)
+    dt = 1.0 / rate if rate > 0.0 else 1.0
+    for _ in range(POINTS):
+        given = sample(effect, rng)
+        v = np.array(given["v"])
+        after = v + dt * np.array(call(effect, effect.acceleration, given))
+        fast = float(np.linalg.norm(after) / np.linalg.norm(v))
+        expect(fast <= 1.0 + 1e-12, f"a step of {dt:g} s, which rates() allows, makes a node {fast:.3g} times as fast")
