@@ -33,12 +33,13 @@ TITLES = {
 }
 
 
-CONFORMANCE = """What `mpmkit check PLUGIN` and `mpmkit.testing.conformance(PLUGIN)` check. Components are built from the examples of their parameters; each
-check runs with the first example of each and, unless it is marked (1), with each other choice and example in turn.
+CONFORMANCE = """What `mpmkit check PLUGIN` and `mpmkit.testing.conformance(PLUGIN)` check. Components are built from the examples
+of their parameters;
+each check runs with the first example of each and, unless it is marked (1), with each other choice and example in turn.
 
-A tolerance is *rounding*, a multiple of machine epsilon times a stated size, or *rate*, an order of an error in a step that is stated. Random numbers are the same in
-each run. A component that cannot pass a check says so, `expected_failures = {"name of the check": "reason"}`; the reason is shown wherever the component is described,
-and the entry is an error as soon as the check passes.
+A tolerance is *rounding*, a multiple of machine epsilon times a stated size, or *rate*, an order of an error in a step that is stated.
+Random numbers are the same in each run. A component that cannot pass a check says so, `expected_failures = {"name of the check":
+"reason"}`; the reason is shown wherever the component is described, and the entry is an error as soon as the check passes.
 
 For each check there is a component with one fault, in `tests/conformance/mutants`, that the check must find and others must not.
 """

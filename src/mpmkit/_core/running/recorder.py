@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -125,14 +124,14 @@ class Recorder:
         engine, writer = self.run.engine, self.run.writer
         with writer.holding_up():
             writer.wait((self, "frame"))  # first, so that there are never two frames in memory
-            fields = _Fields(self.run._stores, self.names, self.file.dtype)
-            changed = (
-                fixed(self.run._stores, with_size="size" not in self.names) if any(s.kept is not None for s in self.run._stores) else {}
-            )
+            stores = self.run._stores
+            fields = _Fields(stores, self.names, self.file.dtype)
+            if any(s.kept is not None for s in stores):
+                fields.changed = fixed(stores, with_size="size" not in self.names)
             numbers = {s: row[s] for s in SCALARS}
             # copies are written while the run goes on; of large frames one field after the other is written now, without a copy of all
             large = fields.nbytes >= LARGE_FRAME
-            data = ChainMap(changed, fields) if large else {**fields, **changed}
+            data: Mapping[str, Any] = fields if large else dict(fields)
             append = partial(self.file.append, engine.t, engine.step_number, fields["x"], data, numbers)
             if large:
                 append()
@@ -221,17 +220,20 @@ class _Fields(Mapping[str, Any]):
 
     def __init__(self, stores: list[BodyStore], names: tuple[str, ...], dtype: Any) -> None:
         self.stores, self.names, self.dtype = stores, names, dtype
+        self.changed: dict[str, Any] = {}  # fixed arrays that are not what they were
 
     def __getitem__(self, name: str) -> Any:
+        if name in self.changed:
+            return self.changed[name]
         if name != "x" and name not in self.names:
             raise KeyError(name)
         return unpack(self.stores, name, self.dtype)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.names)
+        return iter((*self.names, *self.changed))
 
     def __len__(self) -> int:
-        return len(self.names)
+        return len(self.names) + len(self.changed)
 
     @property
     def nbytes(self) -> int:

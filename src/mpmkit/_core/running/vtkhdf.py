@@ -204,11 +204,8 @@ class ParticleFile:
             raise ResultsError(f"{self.path}: this result file is closed; open it again with ParticleFile.reopen")
         points = columns(self.path, "x", x, 3, self.dtype)
         n = len(points)
-        if isinstance(data, dict):
-            data = {
-                **data,
-                **{k: self._rows_of(k, ncomp, data, n) for k, ncomp in self.fields.items()},
-            }  # refused before anything is written
+        if isinstance(data, dict):  # refused before anything is written
+            data = data | {k: self._rows_of(k, ncomp, data, n) for k, ncomp in self.fields.items()}
         rows = {f"PointData/{k}": partial(self._rows_of, k, ncomp, data, n) for k, ncomp in self.fields.items()}
         fixed = {k: array for k in self.static if (array := self._fixed(k, data, n)) is not None}
         unknown = sorted(set(data) - {"x", *self.fields, *self.static})
@@ -244,8 +241,11 @@ class ParticleFile:
         if n not in self._parts:
             self._parts[n] = add_part(root, n)
         part, first_cell = self._parts[n]
-        offsets = {self._append_frame(root["Points"], points)}
-        offsets |= {self._append_frame(root[name], array()) for name, array in rows.items()}
+        offsets, of_arrays = {self._append_frame(root["Points"], points)}, [sums.of_array(points)]
+        for name, make in rows.items():
+            array = make()
+            offsets.add(self._append_frame(root[name], array))
+            of_arrays.append(sums.of_array(array))
         assert len(offsets) == 1, "all arrays of a frame begin at the same row"
         for name in self.static:
             if name in fixed:
@@ -262,7 +262,7 @@ class ParticleFile:
         of_tables = sums.of_frame(
             [time, *(numbers[name] for name in self.scalars)], [numbers["step"], first, n, *(start for start, _, _ in static)]
         )
-        append_rows(self._file["mpmkit/sums"], [[of_tables, *map(sums.of_array, rows.values()), *(one for _, _, one in static)]])
+        append_rows(self._file["mpmkit/sums"], [[of_tables, *of_arrays, *(one for _, _, one in static)]])
         self._file.flush()  # the frame is in the file ...
         steps.attrs.modify("NSteps", np.int64(self.n_frames + 1))
         self._file.flush()  # ... before the counter shows it ...
