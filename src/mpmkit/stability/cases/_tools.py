@@ -43,7 +43,7 @@ def at_most(composition: Composition, cfl: float) -> Composition:
 
 def step(composition: Composition, h: float, speed: float) -> float:
     """The time step that the composition's own rule would take at this largest speed, c + |v|."""
-    return composition.integrator.cfl * h / speed
+    return float(composition.integrator.cfl * h / speed)
 
 
 def with_material(composition: Composition, material: Any) -> Any:
