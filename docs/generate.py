@@ -33,13 +33,13 @@ TITLES = {
 }
 
 
-CONFORMANCE = """What `mpmkit check PLUGIN` and `mpmkit.testing.conformance(PLUGIN)` check. Components are built from the examples
-of their parameters;
-each check runs with the first example of each and, unless it is marked (1), with each other choice and example in turn.
+CONFORMANCE = """What `mpmkit check PLUGIN` and `mpmkit.testing.conformance(PLUGIN)` check. Components are built from the examples of their
+parameters; each check runs with the first example of each and, unless it is marked (1), with each other choice and example in turn.
 
 A tolerance is *rounding*, a multiple of machine epsilon times a stated size, or *rate*, an order of an error in a step that is stated.
-Random numbers are the same in each run. A component that cannot pass a check says so, `expected_failures = {"name of the check":
-"reason"}`; the reason is shown wherever the component is described, and the entry is an error as soon as the check passes.
+Random numbers are the same in each run. A component that cannot pass a check says so,
+`expected_failures = {"name of the check": "reason"}`; the reason is shown wherever the component is described, and the entry is an error as
+soon as the check passes.
 
 For each check there is a component with one fault, in `tests/conformance/mutants`, that the check must find and others must not.
 """
@@ -160,7 +160,12 @@ def parameters(rows: list[dict[str, Any]]) -> str:
 def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     """A Markdown table."""
     lines = [head, tuple("---" for _ in head), *rows]
-    return "\n".join("| " + " | ".join(cell if cell.startswith("`") else escape(cell) for cell in row) + " |" for row in lines) + "\n"
+    return (
+        "\n".join(
+            "| " + " | ".join(cell if cell.startswith("`") and cell.endswith("`") else escape(cell) for cell in row) + " |" for row in lines
+        )
+        + "\n"
+    )
 
 
 def words(value: Any) -> str:
@@ -175,8 +180,9 @@ def words(value: Any) -> str:
 
 
 def escape(text: str) -> str:
-    """Text with the characters that Markdown would take for its own."""
-    return re.sub(r"([\\*_|<>$])", r"\\\1", text.replace("``", "`").replace("\n", " "))
+    """Text with the characters that Markdown would take for its own; letters between backquotes are left as they are."""
+    parts = re.split(r"(`[^`|]*`)", text.replace("``", "`").replace("\n", " "))
+    return "".join(part if k % 2 else re.sub(r"([\\*_|<>$])", r"\\\1", part) for k, part in enumerate(parts))
 
 
 def code(text: str) -> str:

@@ -33,6 +33,13 @@ def refused(sim, *fragments, error=mpm.CompositionError):
             assert fragment in str(caught.value)
 
 
+# --- what is doubtful ---------------------------------------------------------------------------------------------
+def test_negative_weights_are_warned_of():
+    declared = type("Wavy", (QuadraticBSpline,), {"positive": False})()
+    with pytest.warns(UserWarning, match="Wavy has negative weights: .* momentum is lost. To fix: .* QuadraticBSpline"):
+        simulation(PLANE, block(), shape=declared).compose()
+
+
 # --- what must be there -------------------------------------------------------------------------------------------
 def test_no_body():
     refused(simulation(PLANE, Wall("all")), "no body", "sim += mpm.Body(geometry, material)")

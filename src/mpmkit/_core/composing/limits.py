@@ -91,7 +91,10 @@ _KNOWN: WeakKeyDictionary[Composition, Stable] = WeakKeyDictionary()
 
 
 def stable(c: Composition) -> Stable:
-    """The largest stable Courant number, the worst for the particles per cell at the start and for more."""
+    """The largest stable Courant number, the worst for the particles per cell at the start and for more.
+
+    With fewer particles than keep a body stable at all, which `warnings` tells, it is that of as many as do.
+    """
     if c not in _KNOWN:
         _KNOWN[c] = _stable(c)
     return _KNOWN[c]
@@ -101,7 +104,7 @@ def _stable(c: Composition) -> Stable:
     row = of(c)
     if row is None:
         return Stable(GENERAL)
-    fewest = particles_per_cell(c)
+    fewest = max(particles_per_cell(c), row["particles per cell"] or 1)
     space = _SPACE.get(c.grid.space, c.grid.space)
     tables = [row["courant"].get(space) or row["courant"]["1D"]] + ([row["courant at a wall"]] if space == "1D" else [])
     pairs = [(n, pair) for table in tables for n, pair in _from(table, fewest) if isinstance(pair, list)]
