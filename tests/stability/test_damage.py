@@ -105,7 +105,7 @@ def test_full_disk(good, tmp_path):
 
     rng = random.Random(1)
     sizes = [good.with_suffix(s).stat().st_size for s in (".vtkhdf", ".ckpt.h5")]
-    limits = [*sorted(rng.randrange(max(sizes) + (1 << 18)) for _ in range(6)), 1 << 30]
+    limits = [600, 20_000, *sorted(rng.randrange(max(sizes) + (1 << 18)) for _ in range(5)), 1 << 30]
     (tmp_path / "scene.toml").write_text(scene(tmp_path / "run.vtkhdf"))
     command = [sys.executable, "-W", "ignore", "-c", FULL, str(tmp_path / "scene.toml"), *map(str, limits)]
     done = subprocess.run(command, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=False)

@@ -134,7 +134,7 @@ def warnings(c: Composition) -> list[str]:
             f"{limit.per_cell} particle(s) per cell and direction: vibrations make energy. To fix: cfl={0.8 * limit.found:.2g} or less"
         )
     needed, fewest = row["particles per cell"], particles_per_cell(c)
-    if needed is not None and fewest < needed * (1.0 - 1e-9):
+    if needed is not None and 1.0 <= fewest < needed * (1.0 - 1e-9):  # particles larger than cells are told of where sizes are checked
         out.append(
             f"{fewest:.3g} particle(s) per cell and direction: {row['label']} was found to keep a body whole and stable with {needed} or "
             f"more. To fix: particles_per_cell={needed**c.dim} or more"

@@ -126,13 +126,27 @@ class ParticleFile:
         except OSError as error:
             raise ResultsError(f"{path}: cannot write results ({error}); choose a path that can be written") from error
         layout = {"fields": fields, "static": list(static), "scalars": list(scalars), "compress": compress, "dtype": dtype}
+        texts = {
+            name: text for name, text in (("layout", json.dumps(layout)), ("meta", json.dumps(meta)), ("scene", scene)) if text is not None
+        }
+        try:
+            return cls._fill(path, file, layout, texts, static)
+        except (OSError, RuntimeError, ValueError) as error:
+            abandon(file)
+            path.unlink(missing_ok=True)  # nothing is in it
+            raise ResultsError(f"{path}: cannot write results ({error}); choose a path that can be written") from error
+
+    @classmethod
+    def _fill(cls, path: Path, file: Any, layout: dict[str, Any], texts: dict[str, str], static: dict[str, np.ndarray]) -> ParticleFile:
+        """Everything that comes before the first frame."""
+        # data sets of static arrays begin with a whole chunk
+        reserve(file, sum(len(text.encode()) for text in texts.values()) + sum(2 * array.nbytes for array in static.values()))
         ours = file.create_group("mpmkit")
         ours.attrs["format"] = np.int64(FORMAT)
-        for name, text in (("layout", json.dumps(layout)), ("meta", json.dumps(meta)), ("scene", scene)):
-            if text is not None:
-                sums.add_text(ours, name, text)
+        for name, text in texts.items():
+            sums.add_text(ours, name, text)
         dataset(ours, "sums", (len(sums.names(layout)),), "u4", 128)
-        create_tables(file, static, scalars)
+        create_tables(file, static, layout["scalars"])
         file.flush()
         made = cls(path, file)
         for name, array in static.items():

@@ -34,7 +34,7 @@ def ring(composition: Composition, cells: int, particles: int, energy_limit: flo
     change = float(np.trapezoid(energy[last], t[last]) / np.ptp(t[last]) - 1.0)
     told = f"{cells} cells of {particles}"
     if strains_last_unmapped(composition):
-        return [Figure(f"energy gained, {told}", max(0.0, float(energy.max() - 1.0)), GAIN + 0.5 * EXACT.omega * float(np.diff(t).max()))]
+        return [Figure(f"energy gained, {told}", max(0.0, change), GAIN)]
     up = np.flatnonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))
     passes = t[up] - v[up] * (t[up + 1] - t[up]) / (v[up + 1] - v[up])
     period = float(np.diff(passes).mean()) if len(passes) > 1 else float("inf")
