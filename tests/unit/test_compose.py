@@ -95,7 +95,7 @@ def test_fields_of_transfers_and_shapes_are_there_only_with_them():
     assert "size" not in fields() and "size" in fields(shape=GIMP())
     assert "F" in fields() and "J" not in fields()
     fluid = fields(material=NewtonianFluid(rho=1.0, bulk_modulus=1.0, viscosity=0.1))
-    assert "F" not in fluid and "J" in fluid and "dissipated" in fluid
+    assert "F" not in fluid and "J" in fluid and "viscous_loss" in fluid
     nodes = plan_of(integrator=MUSL(XPIC(3))).node_layout.start
     assert {"u", "u_next", "v_smooth"} <= set(nodes) and "u" not in plan_of().node_layout.start
 

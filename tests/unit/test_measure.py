@@ -67,7 +67,7 @@ def test_memory_is_that_of_the_arrays():
     data = sim.explain().data
     engine = sim.compose().engine
     assert data["threads"] == 1
-    assert data["memory"]["particles"] == sum(s.P.nbytes + s.ids.nbytes for s in engine.stores) > 16 * 8 * 14
+    assert data["memory"]["particles"] == sum(s.P.nbytes + s.ids.nbytes for s in engine.stores) > 16 * 8 * 10
     assert data["memory"]["stored nodes"] == data["memory"]["blocks"] * 64 > 0
     assert data["memory"]["scratch"] > 0
     text = str(sim.explain())

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from mpmkit.simulation import Simulation
 
 Array = Any
-AMPLITUDE = 1e-4
-"""Velocity of the smooth vibration [c]; particles move by a few ten-thousandths of a cell, strains are linear to that order."""
+AMPLITUDE = 1e-3
+"""Velocity of the smooth vibration [c]; particles move by a few thousandths of a cell."""
 OFFSETS = (0.0, 0.005, 0.03, 0.1, 0.2, 0.3, 0.4, 0.47)
 """Shifts of a body against the grid [cells] at which no lattice of 1 to 4 particles per cell and direction has a particle on a node.
 

@@ -114,7 +114,7 @@ class Engine:
         """A field of body k that steps do not keep, in tiles of 16 particles."""
         s, tile = self.stores[k], LANES
         rows: Any = slice(first * tile * s.layout.size, last * tile * s.layout.size)
-        out: Any = np.empty((last - first) * tile * len(s.layout.stored(field)), self.dtype)
+        out: Any = np.zeros((last - first) * tile * len(s.layout.stored(field)), self.dtype)
         getattr(self.module, f"{field}_{s.group.name}")(0, last - first, s.n - first * tile, s.P[rows], self.body_par[k], out)
         return out
 
