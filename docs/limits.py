@@ -15,8 +15,9 @@ TABLES = Path(__file__).with_name("stability-limits.md")
 HEAD = "<!-- written by python docs/limits.py from what it publishes in the package; search again instead of editing -->\n\n"
 TITLE = """# Limits found by search
 
-How far the main compositions can be driven. The time step refuses a fixed dt above these Courant numbers, and `explain` warns of a `cfl` above them and of too few particles.
-In flight through the cells a small gain of energy in each crossing adds up; the last column but one says from which Courant number on that is more than 5 % in 1000 steps.
+How far the main compositions can be driven. The time step refuses a fixed dt above these Courant numbers, and `explain` warns of a `cfl`
+above them and of too few particles. In flight through the cells a small gain of energy in each crossing adds up; the last column but one
+says from which Courant number on that is more than 5 % in 1000 steps.
 
 """
 
