@@ -60,7 +60,7 @@ def test_a_dry_run_predicts_and_runs_nothing(file, tmp_path, capsys):
     [
         (["puled.toml"], 1, "there is no study file 'puled.toml'; did you mean 'pulled.toml'?"),
         (["bar.toml"], 1, "unknown key 'grid'"),
-        (["pulled.toml", "--report", "x.pdf"], 2, "a report ends in .html, .md, .csv, .json, .png, .svg"),
+        (["pulled.toml", "--report", "x.pdf"], 1, "cannot write a report to x.pdf: it must end in .html, .md, .csv, .json, .png, .svg"),
         (["pulled.toml", "--report", "bar.toml/x.html"], 1, "cannot write bar.toml/x.html: "),
         (["pulled.toml", "--folder", "bar.toml"], 1, "cannot write to the folder of the study, bar.toml"),
         (["pulled.toml", "--repeat", "-1"], 2, "-1 is not in the range x>=0"),

@@ -10,7 +10,7 @@ import click
 from mpmkit.cli.base import Command, print_json
 from mpmkit.cli.tables import print_table
 
-REPORTS = (".html", ".md", ".csv", ".json", ".png", ".svg")
+REPORTS = ".html, .md, .csv, .json, .png or .svg"
 
 
 @click.command(cls=Command)
@@ -18,24 +18,35 @@ REPORTS = (".html", ".md", ".csv", ".json", ".png", ".svg")
 @click.option("--dry-run", is_flag=True, help="Run nothing: list the runs with the cost that a short calibration predicts.")
 @click.option("--jobs", type=click.IntRange(1), metavar="N", help="Runs side by side for errors; one for each core if not given.")
 @click.option("--folder", type=click.Path(), metavar="DIR", help="Where results are kept as they come; what is there is not done again.")
-@click.option("--report", type=click.Path(), metavar="PATH", multiple=True, help=f"Write a report, by its ending {', '.join(REPORTS)}.")
+@click.option("--report", type=click.Path(), metavar="PATH", multiple=True, help=f"Write a report, by its ending {REPORTS}.")
+@click.option("--error", metavar="ERROR", multiple=True, help="An error that you need, such as 1%: which composition reaches it first.")
 @click.option("--repeat", type=click.IntRange(0), metavar="N", help="How often each run is timed; 0 for errors alone.")
 @click.option("--json", "as_json", is_flag=True, help="Print rows and facts as JSON.")
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 def study(
-    file: str, dry_run: bool, jobs: int | None, folder: str | None, report: tuple[str, ...], repeat: int | None, as_json: bool, quiet: bool
+    file: str,
+    dry_run: bool,
+    jobs: int | None,
+    folder: str | None,
+    report: tuple[str, ...],
+    error: tuple[str, ...],
+    repeat: int | None,
+    as_json: bool,
+    quiet: bool,
 ) -> int:
     """Do the study in FILE (.toml): errors and wall times of all combinations of its axes.
 
     Interrupted, the same command goes on where it stopped.
     """
-    from mpmkit.studies.results import check_writable
+    from mpmkit.studies.results import check_ending, check_writable
+    from mpmkit.studies.sentences import accuracy
     from mpmkit.studies.study import Study, slug
 
     for path in report:
-        if Path(path).suffix not in REPORTS:
-            raise click.UsageError(f"--report {path}: a report ends in {', '.join(REPORTS)}")
+        check_ending(path)
         check_writable(path)
+    for text in error:
+        accuracy(text)
     made = Study.from_file(file, **({} if repeat is None else {"repeat": repeat}))
     if dry_run:
         return _forecast(made, jobs, as_json, quiet)
@@ -46,34 +57,19 @@ def study(
         click.echo(f"mpmkit: interrupted; what was done is kept in {place}, and the same command goes on from there", err=True)
         return 130
     for path in report:
-        write(results, path)
+        results.report(path, error)
     if as_json:
-        print_json({"meta": results.meta, "rows": results.table()})
+        print_json({"meta": results.meta, "rows": results.table(), "sentences": results.sentences(error)})
     else:
-        show(results)
+        show(results, error)
         click.echo(f"\nresults: {place}" + "".join(f", {path}" for path in report))
     return 0 if results.done() else 1
 
 
-def write(results: Any, path: str) -> None:
-    """One report, by the ending of its path."""
-    suffix = Path(path).suffix
-    if suffix == ".html":
-        from mpmkit.studies import html
-
-        html.save(results, path)
-    elif suffix in (".png", ".svg"):
-        from mpmkit.studies import pictures
-
-        pictures.save(results, path)
-    elif suffix == ".json":
-        results.save(path)
-    else:
-        (results.to_markdown if suffix == ".md" else results.to_csv)(path)
-
-
-def show(results: Any) -> None:
+def show(results: Any, asked: tuple[str, ...] = ()) -> None:
     """The table on the terminal, then what is to be said about it."""
+    from mpmkit.studies.sentences import sections
+
     axes = list(dict.fromkeys(axis for row in results for axis in row["labels"]))
     rows = []
     for row in results:
@@ -85,8 +81,24 @@ def show(results: Any) -> None:
         rows.append([*names, *errors, spread, *facts, told])
     print_table([*(axes or ["run"]), *results.measures, "seconds", "steps", "particles", "ns/particle-step", ""], rows)
     notes = [*results.meta.get("notes", []), *dict.fromkeys(f"{row['composition']}: {n}" for row in results for n in row["notes"])]
+    for title, lines in sections(results, asked).items():
+        click.echo(f"\n{title}")
+        for line in lines:
+            click.echo(wrapped(line))
+    if notes:
+        click.echo()
     for note in notes:
         click.echo(f"note: {note}")
+
+
+def wrapped(line: str) -> str:
+    """A sentence as an item of a list, in the width of the terminal; in a pipe or a file on one line."""
+    import shutil
+    import sys
+    import textwrap
+
+    width = min(shutil.get_terminal_size().columns, 120) if sys.stdout.isatty() else 10_000
+    return textwrap.fill(line, width, initial_indent="- ", subsequent_indent="  ")
 
 
 def _forecast(made: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:

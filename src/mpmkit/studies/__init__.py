@@ -9,6 +9,8 @@ import importlib
 from typing import Any
 
 _WHERE = {
+    "mpmkit.studies.advice": ("Advice",),
+    "mpmkit.studies.advising": ("advise",),
     "mpmkit.studies.measures": ("Exact", "Finest", "Quantity"),
     "mpmkit.studies.results": ("StudyResults",),
     "mpmkit.studies.study": ("Study",),

@@ -17,7 +17,10 @@ from mpmkit._core.registry import registry
 
 PRESENTATION = ("mpmkit/cli/", "mpmkit/_core/drawing/", "mpmkit/views", "mpmkit/testing/", "mpmkit/explanation")
 """Sources that no number depends on."""
-STUDIES = ("axes", "fit", "sentences", "pictures", "html", "advice", "results", "running", "study", "plan", "cost", "progress")
+STUDIES = (
+    "axes", "fit", "sentences", "numbers", "pictures", "html", "advice", "advising", "published", "problem", "results", "running", "study",
+    "plan", "cost", "progress",
+)  # fmt: skip
 
 
 def machine() -> dict[str, Any]:

@@ -31,6 +31,8 @@ class Run:
         Choices of all axes in short; the same without the resolution.
     choices, labels : dict
         Axis or path -> value; -> short text.
+    problem : str
+        Those choices that make another problem, in short.
     data : dict, optional
         The scene's plain data; None if a function makes it.
     status, reason : str
@@ -49,6 +51,7 @@ class Run:
     composition: str
     choices: dict[str, Any]
     labels: dict[str, str]
+    problem: str = ""
     data: dict[str, Any] | None = None
     arguments: dict[str, Any] = attrs.Factory(dict)
     status: str = "planned"
@@ -105,6 +108,7 @@ def _product(study: Study) -> list[Run]:
             composition=", ".join(t for name, t in told.items() if name != study.resolution) or study.name,
             choices=choices,
             labels=labels,
+            problem=", ".join(told[name] for name in study.problems),
         )
         culprit = _fill(study, run, given)
         for axis, k in zip(study.axes, numbers, strict=True):

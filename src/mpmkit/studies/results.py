@@ -9,15 +9,21 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpmkit.errors import ResultsError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STATUS = ("done", "refused", "failed", "unstable", "over budget")
 """How a run ended: every row has one of these."""
 
 FORMAT = 1
 """Of the file that `save` writes."""
+
+REPORTS = (".html", ".md", ".csv", ".json", ".png", ".svg")
+"""Kinds of report, by the ending of the file."""
 
 FILE = "study.json"
 """Name of that file in the folder of a study."""
@@ -29,6 +35,7 @@ EMPTY: Row = {
     "composition": "",
     "choices": {},
     "labels": {},
+    "problem": "",
     "status": "done",
     "reason": "",
     "errors": {},
@@ -41,6 +48,7 @@ EMPTY: Row = {
     "particles": None,
     "ns_per_particle_step": None,
     "peak_bytes": None,
+    "travel": None,
     "reference_seconds": None,
     "notes": [],
 }
@@ -56,7 +64,8 @@ class StudyResults:
         One for each run; keys that are missing are filled from `EMPTY`.
     meta : mapping
         "name"; "errors", a list of {"label", "unit"} of the measures; "resolution", {"name", "unit"}; "axes"; "machine";
-        "versions"; "scene", text; "reference", {"label", "seconds": [...]} of the run that was repeated beside all others;
+        "versions"; "scene", text; "compositions", {name: {"problem", "components"}}
+        as in `mpmkit.studies.problem`; "reference", {"label", "seconds": [...]} of the run that was repeated beside all others;
         "complete", whether all planned runs are there.
 
     Notes
@@ -65,13 +74,15 @@ class StudyResults:
 
     - "label": choices of all axes in short; "composition": the same without the resolution, so that runs of one composition
       share it;
+    - "problem": those choices that make another problem, in short; runs are only compared with those of the same;
     - "choices": {axis: plain value}, "labels": {axis: short text};
     - "status": one of `STATUS`; "reason": why, if it is not "done"; "notes": what else should be known;
     - "errors": {measure label: number}; empty if the run did not end well;
     - "resolution": number, smaller is finer: the cell size [m], unless another axis refines;
     - "seconds": median wall time [s] of stepping, "seconds_low" and "seconds_high" fastest and slowest of the "repeats"; None if not timed;
     - "reference_seconds": median wall time of the reference run measured beside it;
-    - "steps", "particles", "ns_per_particle_step", "peak_bytes" (of a process that does nothing else).
+    - "steps", "particles", "ns_per_particle_step", "peak_bytes" (of a process that does nothing else);
+    - "travel": how many cells a particle is away from its start, at most, at the instants that errors are taken at.
 
     Examples
     --------
@@ -125,6 +136,17 @@ class StudyResults:
         for row in self.done(measure):
             found.setdefault(row["composition"], []).append(row)
         return {name: sorted(rows, key=lambda r: -(r["resolution"] or 0.0)) for name, rows in found.items()}
+
+    def parts(self) -> dict[str, StudyResults]:
+        """The study by problem, with compositions named without it: what can be compared. Itself alone if there is one problem."""
+        problems = list(dict.fromkeys(row["problem"] for row in self.rows))
+        if len(problems) < 2:
+            return {"": self}
+        found = {}
+        for problem in problems:
+            rows = [row for row in self.rows if row["problem"] == problem]
+            found[problem] = StudyResults([row | {"composition": _without(row["composition"], problem)} for row in rows], self.meta)
+        return found
 
     # --- files --------------------------------------------------------------------------------------------------
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -188,7 +210,7 @@ class StudyResults:
         axes = list(dict.fromkeys(axis for row in self.rows for axis in row["labels"]))
         heads = ["label", *axes, "status", *self.measures]
         facts = ["seconds", "seconds_low", "seconds_high", "steps", "particles", "ns_per_particle_step", "peak_bytes"]
-        facts = [*facts, "reason"] if short else ["resolution", *facts, "repeats", "reference_seconds", "reason"]
+        facts = [*facts, "reason"] if short else ["resolution", *facts, "travel", "repeats", "reference_seconds", "reason"]
         heads = heads[1:] if short and axes else heads
         lines = []
         for row in self.rows:
@@ -203,6 +225,76 @@ class StudyResults:
         return text
 
     # --- for people ---------------------------------------------------------------------------------------------
+    def sentences(self, asked: Iterable[str | float] = ()) -> list[str]:
+        """What a practitioner should know: the cheapest composition for an error, the price of the next digit, what never gets there.
+
+        Parameters
+        ----------
+        asked : iterable of float or str
+            Errors that are needed, in the unit of the measures (0.01, "1%"); powers of ten if none are given.
+        """
+        from mpmkit.studies.sentences import sections
+
+        return [line for lines in sections(self, asked).values() for line in lines]
+
+    def plot(self, path: str | os.PathLike[str] | None = None, measure: str | None = None, kind: str | None = None) -> Figure:
+        """Draw errors against wall time (with the Pareto front) and against the resolution (with fitted orders).
+
+        Parameters
+        ----------
+        path : path, optional
+            Picture file to write, .png or .svg.
+        measure : str, optional
+            Label of one error; all if not given.
+        kind : str, optional
+            "work-precision" or "convergence"; both if not given.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            To add to or to save.
+
+        Raises
+        ------
+        ResultsError
+            If there is nothing to draw, or the file cannot be written.
+        """
+        from mpmkit.studies import pictures
+
+        return pictures.draw(self, measure, kind) if path is None else pictures.save(self, path, measure, kind)
+
+    def report(self, path: str | os.PathLike[str], asked: Iterable[str | float] = ()) -> Path:
+        """Write a report, by its ending one of `REPORTS`: a page, a table with sentences (.md), rows (.csv), everything (.json), pictures.
+
+        Raises
+        ------
+        ResultsError
+            For another ending, or if the file cannot be written.
+        """
+        path = Path(path)
+        check_ending(path)
+        if path.suffix == ".html":
+            from mpmkit.studies import html
+
+            html.save(self, path, asked)
+        elif path.suffix == ".md":
+            from mpmkit.studies.sentences import sections
+
+            said = "".join(f"## {title}\n\n" + "".join(f"- {x}\n" for x in lines) + "\n" for title, lines in sections(self, asked).items())
+            write(path, f"# {self.name}\n\n{said}## All runs\n\n{self.to_markdown()}")
+        elif path.suffix == ".csv":
+            self.to_csv(path)
+        elif path.suffix == ".json":
+            self.save(path)
+        else:
+            self.plot(path)
+        return path
+
+    def _repr_html_(self) -> str:
+        from mpmkit.studies.html import fragment
+
+        return fragment(self)
+
     def __len__(self) -> int:
         return len(self.rows)
 
@@ -233,6 +325,18 @@ def write(path: Path, text: str) -> Path:
     return path
 
 
+def check_ending(path: str | os.PathLike[str]) -> None:
+    """Refuse a report whose kind is not known.
+
+    Raises
+    ------
+    ResultsError
+        If the ending is none of `REPORTS`.
+    """
+    if Path(path).suffix not in REPORTS:
+        raise ResultsError(f"cannot write a report to {path}: it must end in {', '.join(REPORTS)}")
+
+
 def check_writable(path: str | os.PathLike[str]) -> None:
     """Find out before long work whether a file can be written to a place.
 
@@ -252,6 +356,13 @@ def check_writable(path: str | os.PathLike[str]) -> None:
             path.unlink()
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror or error}; choose another place") from None
+
+
+def _without(composition: str, problem: str) -> str:
+    """The name of a composition without its problem."""
+    for part in problem.split(", "):
+        composition = ", ".join(p for p in composition.split(", ") if p != part)
+    return composition or problem
 
 
 def _fresh() -> Row:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mpmkit.errors import CompositionError, MpmkitError, ResultsError
-from mpmkit.studies import child, cost, machine, measures
+from mpmkit.studies import child, cost, machine, measures, problem, scenes
 from mpmkit.studies.limits import text
 from mpmkit.studies.plan import Run
 from mpmkit.studies.progress import Progress
@@ -26,7 +26,7 @@ BUSY = 0.5
 """Processes that want to run, beside ours, from which on wall times are said to be doubtful."""
 BESIDE = 0.5
 """Seconds that composing and the reference run take for each timed run, for the forecast."""
-OF_RESULT = ("status", "reason", "errors", "values", "steps", "particles", "peak_bytes")
+OF_RESULT = ("status", "reason", "errors", "values", "steps", "particles", "peak_bytes", "travel")
 
 
 class Runner:
@@ -170,7 +170,13 @@ class Runner:
     def _rows(self) -> list[Row]:
         rows = []
         for run in self.plan:
-            row: Row = {"label": run.label, "composition": run.composition, "choices": run.choices, "labels": run.labels}
+            row: Row = {
+                "label": run.label,
+                "composition": run.composition,
+                "choices": run.choices,
+                "labels": run.labels,
+                "problem": run.problem,
+            }
             row |= {"resolution": run.resolution, "particles": run.particles, "notes": list(run.notes)}
             if not run.planned:
                 rows.append(row | {"status": run.status, "reason": run.reason})
@@ -232,11 +238,21 @@ class Runner:
             "versions": machine.versions(),
             "sources": self.sources,
             "scene": study.base.text,
+            "compositions": self._compositions(),
             "reference": {"label": "400 particles, 1,000 steps", "seconds": references},
             "when": time.strftime("%Y-%m-%d %H:%M:%S %z"),
             "notes": self.notes,
             "complete": complete,
         }
+
+    def _compositions(self) -> dict[str, Any]:
+        """What problem each composition solves, and with which components, for those who look for advice."""
+        found: dict[str, Any] = {}
+        for run in self.plan:
+            if run.planned and run.composition not in found:
+                sim = scenes.build(self.study.job(run))
+                found[run.composition] = {"problem": problem.describe(sim), "components": problem.components(sim)}
+        return found
 
 
 def _result(future: Any) -> dict[str, Any]:

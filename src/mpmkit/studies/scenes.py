@@ -41,7 +41,8 @@ class Base:
     def text(self) -> str:
         """The scene as people read it."""
         if self.data is None:
-            return f"made by {self.function}"
+            place, _, name = (self.function or "").rpartition(":")
+            return f"made by {Path(place).name if place.endswith('.py') else place}:{name}"
         from mpmkit.scene.toml_text import toml
 
         return toml(self.data)

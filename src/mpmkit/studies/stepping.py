@@ -21,7 +21,7 @@ AGREES = 0.05
 """Largest difference between a scene's velocities and the exact ones, relative to these, for which they are the same start."""
 SHORT_SECONDS, MOST_PASSES = 0.1, 5
 """A run that is shorter is timed several times in a row, and counts with the median."""
-CALIBRATION_SECONDS, CALIBRATION_STEPS = 0.2, 200
+CALIBRATION_SECONDS, CALIBRATION_STEPS, LOOKS = 0.2, 200, 20
 
 Say = Callable[[], None]
 
@@ -33,7 +33,7 @@ def execute(job: dict[str, Any], ready: Say = lambda: None) -> dict[str, Any]:
     ----------
     job : dict
         "task" ("errors", "time", "calibrate"), the scene ("data", or "function", "folder" and "choices"), "until", "measures",
-        "startup", "threads", "memory_budget", "arrays" (file for fields that are compared later).
+        "startup", "threads", "memory_budget", "arrays" (file for fields that are compared later), "seconds" (to calibrate).
     ready : callable
         Called when everything is compiled and stepping begins.
     """
@@ -102,6 +102,11 @@ class Stepping:
         """The particles now."""
         bodies = {s.name: {f: s.get(f) for f in self.fields} for s in self.engine.stores}
         return samples.Sample(self.engine.t, self.dt, self.sim.grid.space, self.start, bodies)
+
+    def travel(self, at: samples.Sample) -> float:
+        """How many cells the particle that has moved farthest is away from where it started."""
+        moved = [np.abs(at.bodies[name]["x"] - X).max(initial=0.0) for name, X in self.start.items()]
+        return float(max(moved, default=0.0) / self.sim.grid.h)
 
     def to(self, t: float) -> float:
         """Step to a time; the wall time it took [s]."""
@@ -185,7 +190,8 @@ def _errors(job: dict[str, Any], ready: Say) -> dict[str, Any]:
     if arrays:
         np.savez_compressed(job["arrays"], **arrays)
     run = stepping.run
-    return {"errors": values, "values": numbers, "notes": stepping.notes, "first_seconds": seconds, **_counts(run)}
+    travel = max(stepping.travel(sample) for sample in found)
+    return {"errors": values, "values": numbers, "notes": stepping.notes, "first_seconds": seconds, "travel": travel, **_counts(run)}
 
 
 def _counts(run: Any) -> dict[str, Any]:
@@ -207,16 +213,23 @@ def _time(job: dict[str, Any], ready: Say) -> dict[str, Any]:
 
 
 def _calibrate(job: dict[str, Any], ready: Say) -> dict[str, Any]:
-    """Seconds of a step at the start, and its length."""
-    stepping = Stepping(job, set(samples.POINT))
+    """Seconds of a step at the start, its length, and how far particles come; for longer if the job says "seconds"."""
+    stepping = Stepping(job, {*samples.POINT, "v"})
     ready()
     engine = stepping.engine
     first = timestep.next_step(engine).dt
-    spent, steps = 0.0, 0
-    while steps < 3 or (spent < CALIBRATION_SECONDS and steps < CALIBRATION_STEPS):
-        target = min(engine.t + 10 * timestep.next_step(engine).dt, stepping.until)
+    most, count = job.get("seconds", CALIBRATION_SECONDS), math.inf if "seconds" in job else CALIBRATION_STEPS
+    spent, steps, stride, travel = 0.0, 0, 10, 0.0
+    while steps < 3 or (spent < most and steps < count):
+        target = min(engine.t + stride * timestep.next_step(engine).dt, stepping.until)
         before = engine.step_number
         spent, steps = spent + stepping.to(target), steps + engine.step_number - before
+        travel = max(travel, stepping.travel(stepping.sample()))
         if engine.t >= stepping.until:
             break
-    return {"seconds_per_step": spent / max(steps, 1), "dt": first, "steps": steps, "particles": stepping.run.n_particles}
+        if "seconds" in job:  # few looks at the particles, but some in every run
+            stride = max(10, min(int(0.1 * most * steps / max(spent, 1e-9)), int(stepping.until / first / LOOKS)))
+    now = stepping.sample()
+    speed = max((float(np.abs(b["v"]).max(initial=0.0)) for b in now.bodies.values() if "v" in b), default=0.0)
+    out = {"seconds_per_step": spent / max(steps, 1), "dt": first, "steps": steps, "particles": stepping.run.n_particles}
+    return out | {"t": engine.t, "seconds": spent, "travel": travel, "speed": speed / stepping.sim.grid.h}

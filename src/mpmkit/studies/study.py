@@ -22,7 +22,8 @@ STARTUPS = (STAGGERED, "as given")
 REFINING = ("N", "n", "cells", "h", "spacing", "resolution")
 """Arguments of functions that are taken for the resolution."""
 KEYS = (
-    "scene", "axes", "runs", "errors", "repeat", "name", "time_budget", "memory_budget", "startup", "threads", "resolution", "until",
+    "scene", "axes", "runs", "errors", "repeat", "name", "time_budget", "memory_budget", "startup", "threads", "resolution", "problems",
+    "until",
 )  # fmt: skip
 """Keys of a study file."""
 
@@ -60,6 +61,8 @@ class Study:
         Threads of each run.
     resolution : str, optional
         The axis that refines, which does not count as part of the composition; guessed if not given.
+    problems : str or list of str, optional
+        Axes that make another problem of the scene, such as an amplitude: runs are only compared with those of the same problem.
     until : float or str, optional
         End of all runs [s], if not that of the scene.
     folder : path
@@ -93,6 +96,7 @@ class Study:
         startup: str = STAGGERED,
         threads: int = 1,
         resolution: str | None = None,
+        problems: str | Iterable[str] = (),
         until: float | str | None = None,
         folder: str | os.PathLike[str] = ".",
     ) -> None:
@@ -115,6 +119,12 @@ class Study:
         self.until: float | None = convert(until, float | None, Spec("end of the runs", "s", gt=0.0), "Study.until")
         self._check()
         self.resolution = self._refining(resolution)
+        self.problems = (problems,) if isinstance(problems, str) else tuple(problems)
+        names = [axis.name for axis in self.axes]
+        for name in self.problems:
+            if name not in names or name == self.resolution:
+                told = "refines" if name == self.resolution else "is no axis"
+                raise ParameterError(f"Study.problems: {name!r} {told}{did_you_mean(name, names)} (axes: {', '.join(names) or 'none'})")
 
     def _check(self) -> None:
         labels = [m.label for m in self.errors]
