@@ -33,6 +33,7 @@ _WHERE = {
     "mpmkit.results": ("Results",),
     "mpmkit.scene": ("load", "save"),
     "mpmkit.simulation": ("Simulation",),
+    "mpmkit.studies": ("Study",),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _WHERE.items() for name in names}
 

@@ -24,7 +24,7 @@ def test_import_loads_no_plugin_and_nothing_heavy():
     assert not names & {*HEAVY, "numpy", "rich", "click", "pluggy"}
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"]], ids=" ".join)
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["study", "--help"], ["--version"]], ids=" ".join)
 def test_help_loads_no_plugin_and_nothing_heavy(arguments):
     names = loaded(f"from mpmkit.cli import main; main({arguments!r})")
     assert not {n for n in names if n.startswith("mpmkit_")}

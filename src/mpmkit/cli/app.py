@@ -20,6 +20,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("mpmkit.cli.run:run", "Run a scene file."),
     "resume": ("mpmkit.cli.resume:resume", "Continue a run from its checkpoint."),
     "explain": ("mpmkit.cli.explain:explain", "Show the step that a scene file composes."),
+    "study": ("mpmkit.cli.study:study", "Show what accuracy costs: errors and wall times over axes of a scene."),
+    "advise": ("mpmkit.cli.advise:advise", "Predict the time of a scene, and what reaches an error for less."),
     "view": ("mpmkit.cli.view:view", "Draw a frame of a result file as PNG."),
     "list-plugins": ("mpmkit.cli.list_plugins:list_plugins", "List all components, and plugins that cannot be loaded."),
     "describe": ("mpmkit.cli.describe:describe", "Show equation, parameters, units and references of a component."),
