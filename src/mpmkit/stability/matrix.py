@@ -145,9 +145,9 @@ def _legend(figure: Any, data: Plain, height: float) -> None:
 
     found = [name for name, n in count(data).items() if n]
     patches = [Patch(facecolor=LOOKS[n][0], edgecolor="#b6bcc4", linewidth=0.6, label=LOOKS[n][2]) for n in found]
-    figure.legend(
-        handles=patches, loc="lower left", bbox_to_anchor=(0.005, 0.2 / height), ncols=3, fontsize=7.5, handlelength=1.2, columnspacing=1.2
-    )
+    columns = 3 if figure.get_figwidth() > 9.0 else 2
+    looks = {"ncols": columns, "fontsize": 7.5, "handlelength": 1.2, "columnspacing": 1.2}
+    figure.legend(handles=patches, loc="lower left", bbox_to_anchor=(0.005, 0.2 / height), **looks)
     note = "Number: worst figure over its limit. A dot: the case says nothing about the composition. !: not explained."
     figure.text(0.012, 0.08 / height, note, fontsize=7, color="#4b5563")
 
