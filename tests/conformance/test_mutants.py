@@ -30,6 +30,7 @@ def failures(mutant, names):
     return {base(row["check"]): row["reason"] for row in rows if not row["passed"]}
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[m.id for m in MUTANTS])
 def test_a_fault_is_found_by_its_check_and_by_no_other(mutant, monkeypatch):
     """Checks that compile or run whole scenes of all kinds are tried on their own mutants only, for time."""

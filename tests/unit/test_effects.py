@@ -56,6 +56,7 @@ METHODS = [
 ]
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("integrator", "cls", "shape"), METHODS)
 def test_free_fall_with_every_method(integrator, cls, shape):
     """Velocity, stress and work to rounding, as above."""

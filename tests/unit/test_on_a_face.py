@@ -21,6 +21,7 @@ def single(x, *parts, shape, v=0.0, **more):
     return simulation(grid, body, Wall("all", condition="slip"), *parts, shape=shape, **more)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
 @pytest.mark.parametrize("face", [0.0, 1.0])
 def test_a_particle_slides_along_a_face(shape, face):
@@ -33,6 +34,7 @@ def test_a_particle_slides_along_a_face(shape, face):
         assert np.abs(now["F"] - np.eye(3).ravel()).max() < 1e-14
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("ulps", [1, 3, 8, 21])
 def test_rounding_does_not_put_a_particle_outside(ulps):
     sim = single((1.0 - ulps * 2.0**-52, 0.45), Gravity((30.0, 0.0)), shape=QuadraticBSpline(), v=(1.0, 0.5))

@@ -113,6 +113,7 @@ def child(*arguments, **more):
     )
 
 
+@pytest.mark.physics
 @pytest.mark.filterwarnings("ignore:energy is being created")
 def test_kill_in_mid_run_and_resume(tmp_path):
     """Killed while it writes, read by VTK while it ran, resumed by another process: the end is bitwise that of a whole run."""

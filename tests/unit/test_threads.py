@@ -238,6 +238,7 @@ def equal_to_the_bit(make, steps=20):
     return found[0]
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("make", [plane_contact, space_xpic, mesh], ids=inspect.getdoc)
 @pytest.mark.filterwarnings("ignore:energy is being created")
 def test_results_do_not_depend_on_threads(make):

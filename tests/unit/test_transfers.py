@@ -23,6 +23,7 @@ VELOCITY = {"1D": (0.7,), "plane strain": (0.7, -0.4), "axisymmetric": (0.0, 0.6
 
 
 # --- free flight --------------------------------------------------------------------------------------------------
+@pytest.mark.physics
 @pytest.mark.parametrize("space", SPACES)
 @pytest.mark.parametrize(("shape", "integrator", "transfer"), METHODS, ids=METHOD_IDS)
 def test_free_flight(shape, integrator, transfer, space):
@@ -65,6 +66,7 @@ def collision(shape, integrator, space, **more):
     return simulation(grid(space), a, b, shape=shape, integrator=integrator, **more)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("space", [s for s in SPACES if s != "3D"])
 @pytest.mark.parametrize(("shape", "integrator", "transfer"), METHODS, ids=METHOD_IDS)
 def test_momentum_of_a_collision(shape, integrator, transfer, space):
