@@ -12,6 +12,7 @@ import attrs
 
 from mpmkit._core.composing.cautions import CAUTIONS
 from mpmkit.stability.case import Composition, Status, Verdict
+from mpmkit.stability.facts import strains_first, strains_last_unmapped
 
 
 @attrs.frozen
@@ -63,28 +64,10 @@ def _filters(c: Composition) -> bool:
     return transfer is not None and transfer.affine == "none" and transfer.passes == 1 and "v" not in transfer.velocity.arguments
 
 
-def _stress_last_once(c: Composition) -> bool:
-    """USL: strains from the updated velocities, without a second mapping; dissipative, and judged by energy gained only."""
-    from mpmkit.interfaces.recipe import Recipe
-
-    recipe = Recipe()
-    c.integrator.step(recipe)
-    return "remap" not in recipe.verbs and recipe.verbs.index("momentum") < recipe.verbs.index("strain")
-
-
 def _affine_by_moment(c: Composition) -> bool:
     """APIC."""
     transfer = getattr(c.integrator, "transfer", None)
     return transfer is not None and transfer.affine == "moment" and transfer.gradient == "shape"
-
-
-def _strain_first(c: Composition) -> bool:
-    """USF: stresses are updated before the forces."""
-    from mpmkit.interfaces.recipe import Recipe
-
-    recipe = Recipe()
-    c.integrator.step(recipe)
-    return recipe.verbs.index("strain") < recipe.verbs.index("momentum")
 
 
 def _keeps_first_size(c: Composition) -> bool:
@@ -100,14 +83,14 @@ PIC_LOSES = (
 EXPECTED: tuple[Expected, ...] = (
     Expected(
         cases=("vibrating-bar",),
-        when=lambda c: _filters(c) and not _stress_last_once(c),
+        when=lambda c: _filters(c) and not strains_last_unmapped(c.integrator),
         reason=PIC_LOSES,
         remedy="FLIP, APIC or another transfer that keeps what the grid cannot see",
     ),
     Expected(cases=("sudden-load",), when=_filters, reason=PIC_LOSES, remedy="FLIP, APIC, or a finer grid"),
     Expected(
         cases=("vibrating-bar",),
-        when=lambda c: c.shape.nodes >= 4 and c.shape.particle_size == "none" and not _stress_last_once(c),
+        when=lambda c: c.shape.nodes >= 4 and c.shape.particle_size == "none" and not strains_last_unmapped(c.integrator),
         reason=(
             "the error of the period is of second order in the cell and larger the wider the shape function: cubic splines reach two cells "
             "beyond a particle, and 13 cells are few for that (0.47 %, limit 0.3 %; 0.12 % with 26 cells)"
@@ -143,7 +126,7 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     Expected(
         cases=("crushed", "rank-one-collapse"),
-        when=_strain_first,
+        when=lambda c: strains_first(c.integrator),
         reason=(
             "USF takes stresses at the beginning of a step and uses them to its end: half a step ahead of the trapezoidal rule, which in "
             "a motion that turns round within some ten steps gives back more than was stored, by an amount that goes with dt"

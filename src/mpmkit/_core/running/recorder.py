@@ -244,16 +244,13 @@ class _Fields(Mapping[str, Any]):
 
 def fixed(stores: Any, with_size: bool) -> dict[str, Any]:
     """Arrays of a frame that change only when particles are taken out: body, id, and the size that pictures are drawn with."""
-    first = np.cumsum([0, *(s.begun for s in stores)])
-    out = {
-        "body": np.concatenate([np.full(s.n, k, dtype=np.int32) for k, s in enumerate(stores)]),
-        "id": np.concatenate([first[k] + s.points_now() for k, s in enumerate(stores)]).astype(np.int32),
-    }
-    if with_size:
-        out["size"] = np.concatenate([_three(s.points.size[s.points_now()]) for s in stores])
+    n, first, begun = sum(s.n for s in stores), 0, 0
+    out = {"body": np.empty(n, np.int32), "id": np.empty(n, np.int32)} | ({"size": np.zeros((n, 3), np.float32)} if with_size else {})
+    for k, s in enumerate(stores):  # into the types of the file at once: copies in between would be half a frame
+        rows = slice(first, first + s.n)
+        out["body"][rows] = k
+        out["id"][rows] = np.arange(begun, begun + s.n, dtype=np.int32) if s.kept is None else begun + s.kept
+        if with_size:
+            out["size"][rows, : s.layout.dim] = s.points.size if s.kept is None else s.points.size[s.kept]
+        first, begun = first + s.n, begun + s.begun
     return out
-
-
-def _three(x: Any) -> Any:
-    """Vectors with three columns, as files keep them."""
-    return np.pad(x, ((0, 0), (0, 3 - x.shape[1])))

@@ -9,7 +9,6 @@ import attrs
 import numpy as np
 
 import mpmkit as mpm
-from mpmkit.interfaces.recipe import Recipe
 from mpmkit.stability.case import Composition, simulation
 
 Array = Any
@@ -70,11 +69,3 @@ def momentum_error(sim: mpm.Simulation, speed: float) -> float:
     h = sim.history
     error = [h[f"momentum_{a}"] - h[f"momentum_{a}"][0] - h[f"impulse_{a}"] - h[f"force_impulse_{a}"] for a in "xyz"]
     return float(np.abs(error).max() / (h["mass"][0] * speed))
-
-
-def strains_last_unmapped(composition: Composition) -> bool:
-    """Whether strains come from the updated nodal velocities as they are (USL): no second mapping, and not before the momentum."""
-    recipe = Recipe()
-    composition.integrator.step(recipe)
-    verbs = recipe.verbs
-    return "remap" not in verbs and verbs.index("strain") > verbs.index("momentum")

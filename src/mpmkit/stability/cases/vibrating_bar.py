@@ -7,7 +7,8 @@ import numpy as np
 import mpmkit as mpm
 from mpmkit.exact import VibratingBar
 from mpmkit.stability.case import Case, Composition, Figure, simulation
-from mpmkit.stability.cases._tools import at_most, run, strains_last_unmapped
+from mpmkit.stability.cases._tools import at_most, run
+from mpmkit.stability.facts import strains_last_unmapped
 
 EXACT = VibratingBar(L=25.0, E=100.0, rho=1.0, v0=0.1)
 MESHES = ((13, 1, 0.015), (26, 2, 0.005))  # cells, particles in each, largest change of the energy
@@ -33,7 +34,7 @@ def ring(composition: Composition, cells: int, particles: int, energy_limit: flo
     energy, last = history["energy"] / history["energy"][0], t > t[-1] - EXACT.period
     change = float(np.trapezoid(energy[last], t[last]) / np.ptp(t[last]) - 1.0)
     told = f"{cells} cells of {particles}"
-    if strains_last_unmapped(composition):
+    if strains_last_unmapped(composition.integrator):
         return [Figure(f"energy gained, {told}", max(0.0, change), GAIN)]
     up = np.flatnonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))
     passes = t[up] - v[up] * (t[up + 1] - t[up]) / (v[up + 1] - v[up])
