@@ -167,20 +167,20 @@ HOSTILE = [
 
 @pytest.mark.parametrize("text", HOSTILE, ids=[ascii(t[:24]) for t in HOSTILE])
 def test_anything_else_is_refused_at_once(text):
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(mpm.ParameterError) as caught:
         Expression(text, path="Scene.value")
     assert str(caught.value).startswith("Scene.value")
     assert len(str(caught.value)) < 500
-    assert time.perf_counter() - start < 0.5
+    assert time.process_time() - start < 0.5  # of this process: a hang, whatever else the machine does
 
 
 def test_towers_of_powers_do_not_hang():
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(mpm.ParameterError, match="finite"):
         as_function("9**9**9**9", 1)
     assert math.isinf(Expression("10**64 * 10.0**300").evaluate())
-    assert time.perf_counter() - start < 0.5
+    assert time.process_time() - start < 0.5  # of this process: a hang, whatever else the machine does
 
 
 @settings(max_examples=80, deadline=None)

@@ -5,7 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import mpmkit as mpm
@@ -298,7 +298,7 @@ def clear(*parts):
     return np.logical_and.reduce([np.abs(s.depth(GRID)) > 1e-9 for s in parts])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])  # on a busy machine
 @given(shapes, shapes, shapes)
 def test_boolean_algebra(a, b, c):
     x = GRID[clear(a, b, c)]

@@ -99,7 +99,8 @@ class NodeLayout:
     @property
     def size(self) -> int:
         """Numbers in a record: enough for every window."""
-        return -(-max(self._used, self._rounded(self._used)) // 8) * 8 if self.dim > 1 else _power_of_two(self._used)
+        some = 32 // self.itemsize
+        return -(-max(self._used, self._rounded(self._used)) // some) * some if self.dim > 1 else _power_of_two(self._used)
 
     def window(self, channels: Iterable[str]) -> tuple[int, int]:
         """First number and length of the part of a record that holds these channels."""

@@ -47,11 +47,13 @@ class Schedule:
 def _ends(c: Composition, phases: list[Phase]) -> tuple[Phase, Phase] | None:
     """The last and the first loop over particles of a step, if one pass may do the one and then the other of the next step.
 
-    Between them nothing happens at the nodes, and the first starts from particles alone.
+    Between them nothing happens at the nodes, and the first starts from particles alone. They must be the only loops over particles, and
+    nodes have to hold little (`Composition.merges`), since there are those of two steps: elsewhere one pass saves one to three percent of
+    the time and takes a tenth to a fifth more memory; where sums are merged it saves a tenth of the time.
     """
     first, last = phases[0], phases[-1]
-    over_particles = first.kind == last.kind == "particles" and first is not last
-    if c.stored_operator or not over_particles or first.verbs != ("p2g", "forces") or not {"advect", "stress"} <= set(last.verbs):
+    two = first.kind == last.kind == "particles" and sum(p.kind == "particles" for p in phases) == 2
+    if not c.merges or not two or first.verbs != ("p2g", "forces") or not {"advect", "stress"} <= set(last.verbs):
         return None
     return last, first
 

@@ -89,7 +89,7 @@ class MemorySource:
         scene: str | None,
         left: Sequence[Mapping[str, float]] = (),
     ) -> None:
-        self._frames = [{name: np.asarray(a) for name, a in data.items()} for _, _, data in frames]
+        self._frames = [data for _, _, data in frames]
         self._history = History({name: np.asarray(column) for name, column in history.items()})
         self._left = left
         self.meta, self.scene = meta, scene
@@ -102,7 +102,7 @@ class MemorySource:
 
     def array(self, frame: int, name: str) -> np.ndarray:
         """One array of a frame."""
-        return self._frames[frame][name]
+        return np.asarray(self._frames[frame][name])
 
     def history(self) -> History:
         """The rows."""

@@ -85,6 +85,9 @@ class Engine:
         self.flags = np.zeros((len(stores), len(FLAGS)), dtype=bool)
         self.outs = np.zeros((len(stores), len(ACCOUNTS)))
         self.channels = plan.node_layout.size
+        if not c.stored_operator and not c.loaded:
+            for s in stores:
+                s.release()
         self._parameters()
         n_fields = len(stores) if c.contact is not None else 1
         self.places: Any
@@ -106,13 +109,10 @@ class Engine:
         for k, store in enumerate(stores):
             store.derive = partial(self._derive, k)
         self._place()
-        if not c.stored_operator and not c.loaded:
-            for s in stores:
-                s.release()
 
-    def _derive(self, k: int, field: str, first: int, last: int) -> Any:
-        """A field of body k that steps do not keep, in tiles of 16 particles."""
-        s, tile = self.stores[k], LANES
+    def _derive(self, k: int, s: BodyStore, field: str, first: int, last: int) -> Any:
+        """A field of body k that steps do not keep, in tiles of 16 particles; of its particles as they are in this store."""
+        tile = LANES
         rows: Any = slice(first * tile * s.layout.size, last * tile * s.layout.size)
         out: Any = np.zeros((last - first) * tile * len(s.layout.stored(field)), self.dtype)
         getattr(self.module, f"{field}_{s.group.name}")(0, last - first, s.n - first * tile, s.P[rows], self.body_par[k], out)
@@ -132,8 +132,8 @@ class Engine:
 
     def _parameters(self) -> None:
         c, plan, stores = self.c, self.plan, self.stores
-        particle_mass = min(float(s.get("m").min()) for s in stores)
-        mean_masses = [float(s.get("m").mean()) for s in stores]
+        masses = [(float(m.min()), float(m.mean())) for m in (s.get("m") for s in stores)]
+        particle_mass, mean_masses = min(low for low, _ in masses), [mean for _, mean in masses]
         self.m_small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
         roles = c.roles() | {"grid": c.grid, "m_small": self.m_small} | self._light(float(np.mean(mean_masses)))
         self.node_par = plan.node_parameters.values(roles, self.dtype)

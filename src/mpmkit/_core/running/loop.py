@@ -15,19 +15,19 @@ import mpmkit
 from mpmkit._core.composing import contract, jit
 from mpmkit._core.composing.composition import collect
 from mpmkit._core.composing.plan import make_plan
-from mpmkit._core.running import checkpoint, guards, leaving, memory, snapshot, timestep, workers
+from mpmkit._core.running import checkpoint, frames, guards, leaving, memory, snapshot, timestep, workers
 from mpmkit._core.running.alarm import CREATED_WARN, EnergyAlarm
 from mpmkit._core.running.engine import Engine
 from mpmkit._core.running.ledger import COLUMNS, Ledger
 from mpmkit._core.running.progress import Reporter
-from mpmkit._core.running.recorder import Recorder, fixed
+from mpmkit._core.running.recorder import Recorder
 from mpmkit._core.running.repeats import AWAY, Repeats
 from mpmkit._core.running.store import BodyStore
 from mpmkit._core.running.writing import Writer
 from mpmkit.errors import CompositionError, MpmkitError, ResultsError, StabilityError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from os import PathLike
 
     from mpmkit.simulation import Simulation
@@ -57,7 +57,7 @@ class Run:
         self._engine: Engine | None = None
         self._threads: int | None = None
         self.rows: list[dict[str, float]] = []
-        self.frames: list[tuple[float, int, dict[str, Any]]] = []
+        self.frames: list[tuple[float, int, Mapping[str, Any]]] = []
         self.recorders: list[Recorder] = []
         self.writer = Writer()
         self._snapshot: snapshot.Snapshot | None = None  # since the first step
@@ -96,7 +96,7 @@ class Run:
         shape, grid = self.plan.composition.shape, self.sim.grid
         assert shape is not None
         for store in stores:
-            half = float((store.points.size / np.asarray(grid.spacing)).max())
+            half = float((store.points.size.max(axis=0) / np.asarray(grid.spacing)).max())
             if shape.particle_size != "none" and half > shape.max_half * (1 + 1e-9):
                 raise CompositionError(
                     f"body {store.name!r}: particles are {2 * half:.3g} cells wide, {type(shape).__name__} allows {2 * shape.max_half:g}; "
@@ -152,7 +152,7 @@ class Run:
             if fresh:
                 self.recorders = [Recorder(r, self) for r in self.sim.records]
             if not self.sim.records and not self.frames:
-                self.frames.append((engine.t, engine.step_number, self.frame()))
+                self.frames.append((engine.t, engine.step_number, frames.frame(self._stores)))
             self._loop(until, reporter)
         except BaseException as error:
             reporter.stop()
@@ -162,7 +162,7 @@ class Run:
             for r in self.recorders:
                 r.close()
         if not self.sim.records:
-            self.frames.append((engine.t, engine.step_number, self.frame()))
+            self.frames.append((engine.t, engine.step_number, frames.frame(self._stores)))
         momentum = self.momentum_error()
         files = [path for r in self.recorders for path in r.files()]
         balance, writing, notes = self.ledger.last["balance"], self.writer.seconds, self._notes()
@@ -419,22 +419,13 @@ class Run:
         }
 
     # --- what others read ---------------------------------------------------------------------------------------
-    def frame(self, fields: tuple[str, ...] | None = None) -> dict[str, Any]:
-        """All particles of all bodies: the given fields, by default those that all bodies have, and ``body``."""
-        stores = self._stores
-        names = fields or tuple(f for f in stores[0].available() if all(f in s.available() for s in stores))
-        out = {f: np.concatenate([s.get(f) for s in stores]) for f in names}
-        numbers = fixed(stores, with_size=False)
-        out["body"], out["id"] = numbers["body"].astype(int), numbers["id"]
-        return out
-
     def history(self) -> dict[str, Any]:
         return {name: np.array([row[name] for row in self.rows]) for name in COLUMNS}
 
     def momentum_error(self) -> float:
         """Momentum that appeared without an impulse of forces or walls, relative to the sum of all momenta and impulses."""
         first, last = self.rows[0], self.ledger.last
-        scale = sum(float((s.get("m")[:, None] * np.abs(s.get("v"))).sum()) for s in self._stores)
+        scale = sum(s.momenta() for s in self._stores)
         error = 0.0
         for a in "xyz":
             gained = last[f"momentum_{a}"] + last[f"left_momentum_{a}"] - first[f"momentum_{a}"]

@@ -78,10 +78,9 @@ def needed_bytes(plan: Plan) -> tuple[dict[str, int], int]:
 
 
 def _frame(fields: tuple[str, ...], c: Any, particles: int) -> int:
-    """Bytes of a frame as it is kept until it is written: all of it, or of a large one the positions and one field at a time."""
-    widths = [3, *(_shown(name, c) for name in fields if name != "x")]
-    whole = 4 * particles * sum(widths)
-    return whole if whole < LARGE_FRAME else 4 * particles * (3 + max(widths[1:], default=0))
+    """Bytes of a frame as it is kept until it is written: all of it, or of a large one only where each particle lies."""
+    whole = 4 * particles * (3 + sum(_shown(name, c) for name in fields if name != "x"))
+    return whole if whole < LARGE_FRAME else 4 * particles
 
 
 def _shown(name: str, c: Any) -> int:

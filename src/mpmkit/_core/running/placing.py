@@ -50,6 +50,7 @@ class SortedBodies:
             sort_body(module, s, self.lattice, b, self._scratch, s.ids, self.team.size, self._run)
             self._sized(k)
             self.drift[k] = 0.0
+        self._scratch.shrink()
         return late.size > 0
 
     def moved(self, k: int, cells: float) -> None:

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mpmkit._core.running import checkpoint, leaving, paths
+from mpmkit._core.running.frames import joined, numbered
 from mpmkit._core.running.history import HistoryFile
 from mpmkit._core.running.ledger import COLUMNS
 from mpmkit._core.running.store import BodyStore, components_of
-from mpmkit._core.running.unpacking import LARGE_FRAME, unpack
-from mpmkit._core.running.vtkhdf import ParticleFile
+from mpmkit._core.running.unpacking import LARGE_FRAME, unpack, unpack_pieces
+from mpmkit._core.running.vtkhdf import ParticleFile, Pieces
 from mpmkit.errors import FieldContractError, ResultsError, did_you_mean
 from mpmkit.record import Record
 
@@ -129,10 +130,10 @@ class Recorder:
             if any(s.kept is not None for s in stores):
                 fields.changed = fixed(stores, with_size="size" not in self.names)
             numbers = {s: row[s] for s in SCALARS}
-            # copies are written while the run goes on; of large frames one field after the other is written now, without a copy of all
+            # copies are written while the run goes on; of large ones some rows at a time are written now, without a copy of all
             large = fields.nbytes >= LARGE_FRAME
             data: Mapping[str, Any] = fields if large else dict(fields)
-            append = partial(self.file.append, engine.t, engine.step_number, fields["x"], data, numbers)
+            append = partial(self.file.append, engine.t, engine.step_number, None if large else fields["x"], data, numbers)
             if large:
                 append()
             else:
@@ -215,11 +216,12 @@ class Recorder:
         return [p for p in found if p.exists()]
 
 
-class _Fields(Mapping[str, Any]):
+class _Fields(Pieces):
     """Fields of all bodies, each unpacked when it is looked up."""
 
     def __init__(self, stores: list[BodyStore], names: tuple[str, ...], dtype: Any) -> None:
         self.stores, self.names, self.dtype = stores, names, dtype
+        self.n = sum(s.n for s in stores)
         self.changed: dict[str, Any] = {}  # fixed arrays that are not what they were
 
     def __getitem__(self, name: str) -> Any:
@@ -228,6 +230,13 @@ class _Fields(Mapping[str, Any]):
         if name != "x" and name not in self.names:
             raise KeyError(name)
         return unpack(self.stores, name, self.dtype)
+
+    def pieces(self, name: str) -> Iterator[Any]:
+        """The rows of a field, some at a time."""
+        return unpack_pieces(self.stores, name, self.dtype)
+
+    def __contains__(self, name: object) -> bool:
+        return name == "x" or name in self.names or name in self.changed
 
     def __iter__(self) -> Iterator[str]:
         return iter((*self.names, *self.changed))
@@ -239,18 +248,18 @@ class _Fields(Mapping[str, Any]):
     def nbytes(self) -> int:
         """Of all together, with the positions."""
         width = 3 + sum(components_of(name, self.stores[0]) for name in self.names)
-        return sum(s.n for s in self.stores) * int(self.dtype.itemsize) * width
+        return self.n * int(self.dtype.itemsize) * width
 
 
 def fixed(stores: Any, with_size: bool) -> dict[str, Any]:
     """Arrays of a frame that change only when particles are taken out: body, id, and the size that pictures are drawn with."""
-    n, first, begun = sum(s.n for s in stores), 0, 0
-    out = {"body": np.empty(n, np.int32), "id": np.empty(n, np.int32)} | ({"size": np.zeros((n, 3), np.float32)} if with_size else {})
-    for k, s in enumerate(stores):  # into the types of the file at once: copies in between would be half a frame
-        rows = slice(first, first + s.n)
-        out["body"][rows] = k
-        out["id"][rows] = np.arange(begun, begun + s.n, dtype=np.int32) if s.kept is None else begun + s.kept
-        if with_size:
-            out["size"][rows, : s.layout.dim] = s.points.size if s.kept is None else s.points.size[s.kept]
-        first, begun = first + s.n, begun + s.begun
-    return out
+    return numbered(stores) | ({"size": joined([_sizes(s) for s in stores])} if with_size else {})
+
+
+def _sizes(store: BodyStore) -> Any:
+    """Half edges of a body's particles at the start, float32[n, 3]; equal ones take no memory."""
+    size = store.points.size if store.kept is None else store.points.size[store.kept]
+    equal = not size.strides[0]
+    three = np.zeros((1 if equal else len(size), 3), np.float32)
+    three[:, : size.shape[1]] = size[:1] if equal else size
+    return np.broadcast_to(three, (len(size), 3))

@@ -11,6 +11,7 @@ from mpmkit._core.running.blocks import BodyBlocks
 from mpmkit._core.running.lattice import Lattice
 from mpmkit.errors import StabilityError
 
+KEPT = 1 << 20  # bytes of an array that is kept from sort to sort; the memory of larger ones may serve others in between
 _BUDGET = 2  # numbers for each particle that may wait aside at a time; components that do not fit go in a further sweep
 
 Task = Callable[[], object]
@@ -36,6 +37,10 @@ class Scratch:
         if array is None or array.size < size or array.dtype != dtype:
             array = self._arrays[name] = np.empty(size, dtype=dtype)
         return array
+
+    def shrink(self) -> None:
+        """Let go of large arrays: sorts are many steps apart, and getting such memory anew takes a hundredth of a sort."""
+        self._arrays = {name: array for name, array in self._arrays.items() if array.nbytes <= KEPT}
 
 
 def sort_body(

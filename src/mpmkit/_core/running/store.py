@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from typing import Any
 
@@ -21,6 +22,8 @@ def aligned(n: int, dtype: type) -> Any:
     return whole[first : first + n]
 
 
+AT_ONCE = 2048
+"""Tiles that are copied at a time: what passes through stays in the processor's cache, and bodies may be large."""
 FULL = {"scalar": 1, "vector": 3, "symmetric": 6, "tensor": 9}
 
 
@@ -47,7 +50,7 @@ class BodyStore:
     operator : tuple of array
         Node numbers, weights and gradients of each point, where these are stored; else empty.
     derive : callable
-        Computes one of the layout's derived fields in a range of tiles of 16 particles; given by the engine.
+        Computes one of the layout's derived fields of a store in a range of tiles of 16 particles; given by the engine.
     ids : int32[n] or int64[n]
         Which particle, in the order of the body's points, lies at each place of the buffer; the buffer is sorted by place in space.
     begun : int
@@ -65,7 +68,7 @@ class BodyStore:
         self._resize(self.begun)
         self.points = points
         self.operator: tuple[Any, ...] = ()
-        self.derive: Callable[[str, int, int], Any] = _not_running
+        self.derive: Callable[[BodyStore, str, int, int], Any] = _not_running
         dim = self.layout.dim
         initial: dict[str, Any] = {"x": points.x, "X": points.x, "v": points.v, "V0": points.V0, "m": rho * points.V0}
         initial |= {"size": points.size, "size_now": points.size}
@@ -85,8 +88,9 @@ class BodyStore:
                 self.set(name_, np.broadcast_to(one, (self.n, one.size)))
 
     def release(self) -> None:
-        """Let go of the initial positions, which only loads of particle layers ask for again: they are a tenth of a large body's memory."""
-        self.points = attrs.evolve(self.points, x=np.zeros((0, self.layout.dim)))
+        """Let go of the sampled state but for the sizes, which result files ask for: it may be half as large as the buffer."""
+        none = np.zeros((0, self.layout.dim))
+        self.points = attrs.evolve(self.points, x=none, v=none, V0=none[:, 0], F=None, stress=None)
 
     # --- particles that are taken out ---------------------------------------------------------------------------
     def _resize(self, n: int) -> None:
@@ -123,6 +127,17 @@ class BodyStore:
         there = np.arange(len(places))
         buffer.reshape(tiles, self.layout.size, LANES)[there // LANES, :, there % LANES] = self._tiled()[places // LANES, :, places % LANES]
         return buffer
+
+    def some(self, tiles: Any) -> BodyStore:
+        """The particles of some tiles (their numbers, ascending) in a store of its own, to read their fields in the order of the places."""
+        other, n = copy.copy(self), len(tiles) * LANES - (self.tiles * LANES - self.n) * int(tiles[-1] == self.tiles - 1)
+        other._whole, other._whole_ids = (
+            aligned(len(tiles) * LANES * self.layout.size, self.P.dtype.type),
+            np.arange(n, dtype=self.ids.dtype),
+        )
+        other._resize(n)
+        self._tiled().take(tiles, axis=0, out=other._tiled(), mode="clip")
+        return other
 
     def remove(self, places: Any) -> None:
         """Take out the particles at some places; the last ones of the buffer fill the gaps, so it must be sorted again."""
@@ -161,7 +176,7 @@ class BodyStore:
         """The components of a field in tiles first to last as they lie in memory, (tiles, components, 16), or computed in that form."""
         last = self.tiles if last is None else min(last, self.tiles)
         if name in self.layout.derived:
-            return self.derive(name, first, last).reshape(last - first, len(self.layout.stored(name)), LANES)
+            return self.derive(self, name, first, last).reshape(last - first, len(self.layout.stored(name)), LANES)
         start = self.layout.start[name]
         return self._tiled()[first:last, start : start + len(self.layout.stored(name)), :]
 
@@ -173,10 +188,12 @@ class BodyStore:
         """Write a field from its full form: (n,), (n, dim), (n, 6) or (n, 9), in the order of the body's points."""
         value = np.asarray(value).reshape(self.n, -1)
         start, tiled = self.layout.start[name], self._tiled()
-        padded = np.zeros(self.tiles * LANES, dtype=self.P.dtype)  # one component at a time: bodies may be large
-        for k, full in enumerate(self.layout.stored(name)):
-            padded[: self.n] = value[self.ids, full]
-            tiled[:, start + k, :] = padded.reshape(self.tiles, LANES)
+        for first in range(0, self.tiles, AT_ONCE):
+            ids, last = self.ids[first * LANES : (first + AT_ONCE) * LANES], min(first + AT_ONCE, self.tiles)
+            padded = np.zeros((last - first) * LANES, dtype=self.P.dtype)
+            for k, full in enumerate(self.layout.stored(name)):
+                padded[: len(ids)] = value[ids, full]
+                tiled[first:last, start + k, :] = padded.reshape(-1, LANES)
 
     def get(self, name: str) -> Any:
         """A field in full form, in the order of the body's points; V, J and rho are derived.
@@ -193,25 +210,30 @@ class BodyStore:
             raise KeyError(name)
         field = self.layout.fields.get(name) or self.layout.derived[name]
         stored = self.layout.stored(name)
-        columns = self.tiles_of(name).transpose(0, 2, 1).reshape(-1, len(stored))[: self.n]
-        if field.shape == "scalar":
-            one = np.empty(self.n, dtype=self.P.dtype)
-            one[self.ids] = columns[:, 0]
-            return one
         width = self.layout.dim if field.shape == "vector" else FULL[field.shape]
         full = np.zeros((self.n, width), dtype=self.P.dtype)
         if field.initial and field.shape == "tensor":
             full[:, [0, 4, 8]] = field.initial
-        for k, column in enumerate(stored):
-            full[self.ids, column] = columns[:, k]
-        return full
+        for first in range(0, self.tiles, AT_ONCE):
+            ids, found = self.ids[first * LANES : (first + AT_ONCE) * LANES], self.tiles_of(name, first, first + AT_ONCE)
+            for k, column in enumerate(stored):
+                full[ids, column] = found[:, k, :].reshape(-1)[: len(ids)]
+        return full[:, 0] if field.shape == "scalar" else full
+
+    def momenta(self) -> float:
+        """Sum of the amounts of all momenta along the axes [kg m/s], without copies of all masses and velocities."""
+        total = 0.0
+        for first in range(0, self.tiles, AT_ONCE):
+            mv = self.tiles_of("m", first, first + AT_ONCE) * np.abs(self.tiles_of("v", first, first + AT_ONCE))
+            total += float(mv.transpose(0, 2, 1).reshape(-1, mv.shape[1])[: self.n - first * LANES].sum())
+        return total
 
     def available(self) -> list[str]:
         """Names `get` answers to."""
         return [*self.layout.fields, *self.layout.derived, *(n for n in ("J", "V", "rho") if n not in self.layout.fields)]
 
 
-def _not_running(name: str, first: int, last: int) -> Any:
+def _not_running(store: BodyStore, name: str, first: int, last: int) -> Any:
     raise RuntimeError(f"{name} is computed by the generated module, which has not been loaded yet")
 
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from mpmkit._core.composing.layout import LANES
-from mpmkit._core.running.store import BodyStore, components_of
+from mpmkit._core.running.store import AT_ONCE, BodyStore, components_of
 
 LARGE_FRAME = 32 << 20
 """Bytes of a frame from which on no copy of all of it is made."""
-_TILES = 2048
-"""Tiles that are unpacked at a time: what passes through stays in the processor's cache."""
+_ROWS = 1 << 15
+"""Rows of a piece."""
 
 
 def unpack(stores: Sequence[BodyStore], name: str, dtype: Any) -> Any:
@@ -47,6 +47,19 @@ def unpack(stores: Sequence[BodyStore], name: str, dtype: Any) -> Any:
     return out if width > 1 else out[:, 0]
 
 
+def unpack_pieces(stores: Sequence[BodyStore], name: str, dtype: Any) -> Iterator[Any]:
+    """The rows of `unpack`, some at a time: memory for a piece, for a little more time, since the particles of a piece lie scattered."""
+    for s in stores:
+        place = np.empty(s.n, s.ids.dtype)
+        place[s.ids] = np.arange(s.n, dtype=s.ids.dtype)
+        for first in range(0, s.n, _ROWS):
+            tile, lane = np.divmod(place[first : first + _ROWS], LANES)
+            there = np.zeros(s.tiles, bool)
+            there[tile] = True
+            number = np.cumsum(there) - 1
+            yield unpack([s.some(np.flatnonzero(there))], name, dtype)[number[tile] * LANES + lane]
+
+
 def _stored(store: BodyStore, name: str, out: Any) -> None:
     layout = store.layout
     field, stored = layout.fields.get(name) or layout.derived[name], layout.stored(name)
@@ -57,9 +70,9 @@ def _stored(store: BodyStore, name: str, out: Any) -> None:
     # a row is moved as one thing of that many bytes: twice as fast as number by number
     row = np.dtype((np.void, width * out.itemsize))
     places = out.view(row).reshape(-1)
-    for tile in range(0, store.tiles, _TILES):
-        ids = store.ids[tile * LANES : (tile + _TILES) * LANES]
-        found = store.tiles_of(name, tile, tile + _TILES).astype(out.dtype).transpose(0, 2, 1).reshape(-1, len(stored))
+    for tile in range(0, store.tiles, AT_ONCE):
+        ids = store.ids[tile * LANES : (tile + AT_ONCE) * LANES]
+        found = store.tiles_of(name, tile, tile + AT_ONCE).astype(out.dtype).transpose(0, 2, 1).reshape(-1, len(stored))
         if len(stored) < width:
             rows = np.tile(one, (len(found), 1))
             rows[:, list(stored)] = found

@@ -29,7 +29,8 @@ from __future__ import annotations
 import json
 import os
 import time as clock
-from collections.abc import Callable, Mapping
+from abc import abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, Self
@@ -41,12 +42,28 @@ from mpmkit._core.running.disk import abandon, close_trimmed, reserve
 from mpmkit._core.running.paths import claim
 from mpmkit._core.running.vtkhdf_arrays import check_names, columns, plain
 from mpmkit._core.running.vtkhdf_check import DAMAGED, FORMAT, check_ours, damaged
-from mpmkit._core.running.vtkhdf_tables import add_part, append_rows, create_tables, dataset, shrink_tables
+from mpmkit._core.running.vtkhdf_tables import AT_ONCE, add_part, append_rows, create_tables, dataset, shrink_tables
 from mpmkit.errors import ResultsError
 
 SYNC_SECONDS = 60.0
 """Seconds between two fsync calls; a killed process loses nothing, a power cut at most this much."""
 _HDF5 = {"libver": ("earliest", "v110"), "locking": False}
+
+
+class Pieces(Mapping[str, Any]):
+    """Fields of a frame, positions too, that are made when they are asked for and given some rows at a time.
+
+    Attributes
+    ----------
+    n : int
+        Rows of all fields.
+    """
+
+    n: int
+
+    @abstractmethod
+    def pieces(self, name: str) -> Iterator[Any]:
+        """The rows of a field from first to last."""
 
 
 class ParticleFile:
@@ -150,7 +167,7 @@ class ParticleFile:
         file.flush()
         made = cls(path, file)
         for name, array in static.items():
-            made._last_static[name] = (append_rows(made._root["PointData"][name], array), len(array), sums.of_array(array))
+            made._append_static(name, array)
         return made
 
     @classmethod
@@ -188,7 +205,7 @@ class ParticleFile:
         self,
         time: float,
         step: int,
-        x: np.ndarray,
+        x: np.ndarray | None,
         data: Mapping[str, np.ndarray],
         scalars: Mapping[str, float] | None = None,
     ) -> None:
@@ -201,11 +218,11 @@ class ParticleFile:
         step : int
             Number of the step.
         x : array (n, 1 to 3)
-            Positions [m]; n may differ from frame to frame.
+            Positions [m]; n may differ from frame to frame. None if `data` are `Pieces`, which have them too.
         data : mapping of str to array (n,), (n, ncomp) or (n, 3, 3)
             Every field named at `create`; vectors of fewer than three columns are filled with zeros. A fixed array
             that changed (particles were lost, or came in another order) is given here too. Each is looked up when it is written and
-            not kept, so that a mapping which makes its arrays then needs memory for one at a time.
+            not kept.
         scalars : mapping of str to float
             Every scalar named at `create`.
 
@@ -216,11 +233,13 @@ class ParticleFile:
         """
         if self._file is None:
             raise ResultsError(f"{self.path}: this result file is closed; open it again with ParticleFile.reopen")
-        points = columns(self.path, "x", x, 3, self.dtype)
-        n = len(points)
-        if isinstance(data, dict):  # refused before anything is written
-            data = data | {k: self._rows_of(k, ncomp, data, n) for k, ncomp in self.fields.items()}
-        rows = {f"PointData/{k}": partial(self._rows_of, k, ncomp, data, n) for k, ncomp in self.fields.items()}
+        if isinstance(data, Pieces):
+            n = data.n
+        else:  # refused before anything is written
+            n, data = len(np.asarray(x)), {**data, "x": np.asarray(x)}
+            data |= {k: one for k, ncomp in (("x", 3), *self.fields.items()) for one in self._pieces_of(k, ncomp, data, n)}
+        rows = {"Points": partial(self._pieces_of, "x", 3, data, n)}
+        rows |= {f"PointData/{k}": partial(self._pieces_of, k, ncomp, data, n) for k, ncomp in self.fields.items()}
         fixed = {k: array for k in self.static if (array := self._fixed(k, data, n)) is not None}
         unknown = sorted(set(data) - {"x", *self.fields, *self.static})
         if unknown:
@@ -231,7 +250,7 @@ class ParticleFile:
             raise ResultsError(f"{self.path}: a frame needs the scalars {list(self.scalars)}, got {list(scalars or {})}")
         numbers = {"step": step, **{k: float((scalars or {})[k]) for k in self.scalars}}
         try:
-            self._write(float(time), points, rows, fixed, numbers)
+            self._write(float(time), n, rows, fixed, numbers)
         except (OSError, RuntimeError, ValueError) as error:
             file, self._file = self._file, None
             abandon(file)
@@ -243,27 +262,24 @@ class ParticleFile:
     def _write(
         self,
         time: float,
-        points: np.ndarray,
-        rows: Mapping[str, Callable[[], np.ndarray]],
+        n: int,
+        rows: Mapping[str, Callable[[], Iterable[np.ndarray]]],
         fixed: dict[str, np.ndarray],
         numbers: Mapping[str, float],
     ) -> None:
-        root, steps, n = self._root, self._steps, len(points)
+        root, steps = self._root, self._steps
         if "Points" not in root:
             self._create_arrays(n)
         self._reserve(n, fixed)
         if n not in self._parts:
             self._parts[n] = add_part(root, n)
         part, first_cell = self._parts[n]
-        offsets, of_arrays = {self._append_frame(root["Points"], points)}, [sums.of_array(points)]
-        for name, make in rows.items():
-            array = make()
-            offsets.add(self._append_frame(root[name], array))
-            of_arrays.append(sums.of_array(array))
+        written = [self._append_frame(root[name], n, make()) for name, make in rows.items()]
+        offsets, of_arrays = {first for first, _ in written}, [one for _, one in written]
         assert len(offsets) == 1, "all arrays of a frame begin at the same row"
         for name in self.static:
             if name in fixed:
-                self._last_static[name] = (append_rows(root["PointData"][name], fixed[name]), n, sums.of_array(fixed[name]))
+                self._append_static(name, fixed[name])
             append_rows(steps["PointDataOffsets"][name], [self._last_static[name][0]])
         for name, value in numbers.items():
             append_rows(steps["FieldDataOffsets"][name], [append_rows(root["FieldData"][name], [value])])
@@ -344,20 +360,36 @@ class ParticleFile:
         room += sum(a.nbytes + chunk * a.itemsize * (a.shape[1] if a.ndim > 1 else 1) for a in fixed.values())
         reserve(self._file, room + (0 if n in self._parts else 8 * n + (1 << 18)))
 
-    def _append_frame(self, array: Any, rows: np.ndarray) -> int:
+    def _append_static(self, name: str, array: np.ndarray) -> None:
+        """Write a static array and remember where it is; in pieces, since equal rows of a large one take no memory before."""
+        first, of_rows = int(self._root["PointData"][name].shape[0]), 0
+        for k in range(0, len(array), AT_ONCE):
+            append_rows(self._root["PointData"][name], array[k : k + AT_ONCE])
+            of_rows = sums.of_array(array[k : k + AT_ONCE], of_rows)
+        self._last_static[name] = (first, len(array), of_rows)
+
+    def _append_frame(self, array: Any, n: int, pieces: Iterable[np.ndarray]) -> tuple[int, int]:
+        """Write n rows; where they begin, and their checksum."""
         chunk = array.chunks[0] if self._compress else 1
         first = -(-array.shape[0] // chunk) * chunk  # the gap is never read
-        array.resize(first + len(rows), axis=0)
-        array[first:] = rows
-        return int(first)
+        array.resize(first + n, axis=0)
+        row, of_rows = first, 0
+        for piece in pieces:
+            array[row : row + len(piece)] = piece
+            row, of_rows = row + len(piece), sums.of_array(piece, of_rows)
+        return first, of_rows
 
-    def _rows_of(self, name: str, ncomp: int, data: Mapping[str, np.ndarray], n: int) -> np.ndarray:
+    def _pieces_of(self, name: str, ncomp: int, data: Mapping[str, np.ndarray], n: int) -> Iterator[np.ndarray]:
+        """The rows of a field as the file holds them."""
         if name not in data:
             raise ResultsError(f"{self.path}: the frame lacks the field {name!r}, which this file was made for")
-        rows = columns(self.path, name, data[name], ncomp, self.dtype)
-        if len(rows) != n:
-            raise ResultsError(f"{self.path}: field {name!r} has {len(rows)} rows for {n} particles")
-        return rows
+        count = 0
+        for piece in data.pieces(name) if isinstance(data, Pieces) else [data[name]]:
+            rows = columns(self.path, name, piece, ncomp, self.dtype)
+            count += len(rows)
+            yield rows
+        if count != n:
+            raise ResultsError(f"{self.path}: field {name!r} has {count} rows for {n} particles")
 
     def _fixed(self, name: str, data: Mapping[str, np.ndarray], n: int) -> np.ndarray | None:
         """A fixed array that must be written with this frame; None if the last one in the file still holds."""

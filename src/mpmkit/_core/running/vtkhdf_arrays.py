@@ -18,8 +18,8 @@ def plain(values: Any, dtype: str) -> np.ndarray:
         return array.astype(np.uint8)
     if array.dtype.kind in "iu":
         small = array.size == 0 or (array.min() >= -(2**31) and array.max() < 2**31)
-        return array.astype(np.int32 if small else np.int64)
-    return array.astype(dtype)
+        return array.astype(np.int32 if small else np.int64, copy=False)
+    return array.astype(dtype, copy=False)
 
 
 def columns(path: Path, name: str, array: Any, ncomp: int, dtype: np.dtype) -> np.ndarray:

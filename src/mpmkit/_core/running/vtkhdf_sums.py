@@ -22,9 +22,9 @@ def names(layout: dict[str, Any]) -> list[str]:
     return [FRAME, "x", *layout["fields"], *layout["static"]]
 
 
-def of_array(array: np.ndarray) -> int:
-    """Of the bytes of an array as stored."""
-    return zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+def of_array(array: np.ndarray, before: int = 0) -> int:
+    """Of the bytes of an array as stored, and of what came before them."""
+    return zlib.crc32(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data, before)
 
 
 def of_frame(floats: Any, whole: Any) -> int:

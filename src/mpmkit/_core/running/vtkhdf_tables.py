@@ -18,6 +18,10 @@ def dataset(group: Any, name: str, columns: tuple[int, ...], dtype: Any, chunk: 
     return group.create_dataset(name, (0, *columns), maxshape=(None, *columns), dtype=dtype, chunks=(chunk, *columns), **filters)
 
 
+AT_ONCE = 1 << 15
+"""Rows of large arrays that are written at a time."""
+
+
 def append_rows(array: Any, rows: Any) -> int:
     """Append rows to a data set; return the number of the first."""
     first = array.shape[0]
@@ -67,10 +71,16 @@ def add_part(root: Any, n: int) -> tuple[int, int]:
         cells = n if kind == "Vertices" else 0
         append_rows(root[kind]["NumberOfCells"], [cells])
         append_rows(root[kind]["NumberOfConnectivityIds"], [cells])
-        append_rows(root[kind]["Offsets"], np.arange(cells + 1))
-    append_rows(root["Vertices/Connectivity"], np.arange(n))
+        _append_count(root[kind]["Offsets"], cells + 1)
+    _append_count(root["Vertices/Connectivity"], n)
     append_rows(root["NumberOfPoints"], [n])
     return int(part), int(first_cell)
+
+
+def _append_count(array: Any, n: int) -> None:
+    """Append 0 to n - 1, some at a time: all together may take more memory than the positions."""
+    for first in range(0, n, AT_ONCE):
+        append_rows(array, np.arange(first, min(n, first + AT_ONCE)))
 
 
 def shrink_tables(root: Any, n_frames: int) -> dict[int, tuple[int, int]]:
