@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from benchmarks import compare, components, instructions, on_demand, report, roofline, scaling, startup
+from benchmarks import compare, components, instructions, memory, on_demand, report, roofline, scaling, startup
 
 PARTS: dict[str, str] = {
     "compare": "mpmkit beside Taichi, Warp, JAX and the programs given with --against",
@@ -16,6 +16,7 @@ PARTS: dict[str, str] = {
     "on_demand": "a step with each optional component over the same without it; contact touching and apart",
     "scaling": "particles, threads, empty domains, bodies flying apart",
     "startup": "from the start of a process to its first step, cold and warm",
+    "memory": "a million particles beside the bytes of the declared fields",
     "roofline": "bytes and operations against what the machine can do",
     "instructions": "instructions per particle-step, against benchmarks/instructions.json",
     "report": "tables and pictures from the results that are there, without measuring",
@@ -70,7 +71,8 @@ def _runner(part: str, against: dict[str, str], write: bool) -> Callable[[bool, 
         return lambda quick, only: compare.main(quick, against, *compare.sort_names(only))
     if part == "instructions":
         return lambda quick, only: instructions.main(quick, only, write)
-    return {"components": components, "on_demand": on_demand, "scaling": scaling, "startup": startup, "roofline": roofline}[part].main
+    parts: dict[str, Any] = {"components": components, "on_demand": on_demand, "scaling": scaling, "startup": startup}
+    return (parts | {"memory": memory, "roofline": roofline})[part].main
 
 
 def complaints(part: str, result: Any) -> list[str]:

@@ -71,6 +71,12 @@ def stepper(sim: Any) -> Stepper:
     return Stepper(run)
 
 
+def field_bytes(sim: Any) -> tuple[int, int]:
+    """Bytes of the declared fields of all particles and of all stored nodes of one side."""
+    engine = sim.compose().engine
+    return sum(s.P.nbytes for s in engine.stores), sum(f.G.itemsize * f.channels * f.n_nodes for f in engine.fields)
+
+
 @contextlib.contextmanager
 def quiet():
     """No warnings about what the benchmarks do on purpose, such as fixed time steps far below the limit."""

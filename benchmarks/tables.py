@@ -14,6 +14,7 @@ def tables(parts: dict[str, Any]) -> str:
         "on_demand": _on_demand,
         "scaling": _scaling,
         "startup": _startup,
+        "memory": _memory,
         "roofline": _roofline,
         "instructions": _instructions,
     }
@@ -150,6 +151,22 @@ def _startup(result: list[dict[str, Any]]) -> list[str]:
         for r in result
     ]
     return ["## Start-up\n", table(head, rows)]
+
+
+def _memory(result: list[dict[str, Any]]) -> list[str]:
+    head = ["[MB]", "fields of particles", "of nodes", "largest growth of the process", "with frames"]
+    rows = []
+    for r in result:
+        declared = r["particle fields"] + r["node fields"]
+        cells = [f"{r[k] / 1e6:.0f}: {r[k] / declared:.2f} x" for k in ("peak", "peak with frames")]
+        rows.append([r["stepper"], f"{r['particle fields'] / 1e6:.0f}", f"{r['node fields'] / 1e6:.0f}", *cells])
+    return [
+        "## Memory\n",
+        f"{result[0]['particles']:,} particles in 3D, quadratic B-splines, float64: bytes of the declared fields of particles and stored "
+        "nodes, and by how much the process grows at the most while it samples, sorts and steps, in MB and times the fields; then with "
+        "frames of velocity and stress.\n",
+        table(head, rows),
+    ]
 
 
 def _roofline(result: dict[str, Any]) -> list[str]:

@@ -188,12 +188,22 @@ def test_tables_and_pictures_come_from_the_results(tmp_path):
         "passes": 2,
     }
     report.save(tmp_path, "components", {"particles": 8000, "rounds": 3, "rows": [component | {"flops": 2000, "bytes": 700.0}]}, quick=True)
+    used = {"particles": 1000, "particle fields": 2e6, "node fields": 2e6, "peak": 5e6, "peak with frames": 6e6}
+    report.save(tmp_path, "memory", [{"stepper": "MUSL, FLIP"} | used], quick=True)
     report.main(tmp_path)
     text = (tmp_path / "tables.md").read_text()
+    assert "| MUSL, FLIP | 2 | 2 | 5: 1.25 x | 6: 1.50 x |" in text
     assert "| apic3 S f64, 1 thread | 12.5 | 5.00: 2.50 x (2.50 to 2.50) | 0e+00 |" in text
     assert "p2g 40%, g2p 60%" in text and "Not measured: gone, is not installed." in text and "A quick run" in text
     assert (tmp_path / "performance_compare.png").stat().st_size > 1000
     assert (tmp_path / "performance_components.png").stat().st_size > 1000
+
+
+def test_memory_counts_fields_and_growth(root):
+    from benchmarks import memory
+
+    found = memory._child("MUSL, FLIP", True, 4)
+    assert found["particles"] == 512 and found["particle fields"] == 512 * 17 * 8 and found["peak"] >= 0  # 17 numbers: x, v, m, V0, F
 
 
 def test_wrong_words_on_the_command_line_are_refused(capsys):
