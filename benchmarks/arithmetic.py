@@ -104,6 +104,10 @@ def flops(stepper: Stepper, shape: Any, transfer: Any, material: Any, effects: t
             total += sum(operations(e.viscous_pressure) for e in effects if e.viscous_pressure is not None)
         if "forces" in verbs:
             total += sum(operations(e.body_force) + 2 * nodes * dim for e in effects if e.body_force is not None)
+    near = stepper.near_contact()
+    if near:  # outward: gradients of the volume; reach: distance from three candidates for the normal
+        both = 2 * (dim * operations(shape.weights) + nodes * (1 + dim)) + nodes * (2 * dim + 3 * (2 * dim + 2))
+        total += near * both
     return total
 
 

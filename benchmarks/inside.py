@@ -48,6 +48,14 @@ class Stepper:
         """The loops over particles of one step, each by its verbs."""
         return [tuple(p.verbs) for p in self.run.plan.schedule.phases if p.kind == "particles"]
 
+    def near_contact(self) -> float:
+        """Share of the particles in blocks that reach shared nodes, which go through two more loops; as of the last step."""
+        engine = self.run.engine
+        if engine.contact is None:
+            return 0.0
+        near = zip(engine.places.blocks, engine.contact.near_any, strict=True)
+        return float(sum((b.starts[1:] - b.starts[:-1])[marks > 0].sum() for b, marks in near) / self.particles)
+
     def field_numbers(self) -> dict[str, int]:
         """Stored numbers of each particle field of the first body's material."""
         layout = self.run.plan.composition.groups[0].layout
