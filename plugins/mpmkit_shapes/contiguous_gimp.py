@@ -46,14 +46,17 @@ KERNELS = {1: weights_reach_1, 2: weights_reach_2}
 
 @mpm.define
 class ContiguousGIMP(mpm.ShapeFunction):
-    r"""Contiguous-particle GIMP: tent functions averaged over a particle stretched by the diagonal of F.
+    r"""Contiguous-particle GIMP: tent functions averaged over a particle that stretches and turns with the material.
 
-    .. math:: S_{ip} = \frac{1}{2 l} \int_{x_p - l}^{x_p + l} \max(0, 1 - |x - x_i| / h) \, dx , \quad l = F_{aa} l_0
+    .. math:: S_{ip} = \frac{1}{2 l_a} \int_{x_p - l_a}^{x_p + l_a} \max(0, 1 - |x - x_i| / h) \, dx , \quad
+        l_a = \Big( \sum_b (F_{ab} \, l_{0b})^2 \Big)^{1/2}
 
-    Keeps the particles of a body that stretches along the axes side by side, without gaps or overlap. ``reach``
-    is the largest half size in cells: 1 allows a particle of half a cell to grow fourfold. Known to fail: large
-    rotation and shear, where the diagonal of F is no measure of size (a quarter turn makes it zero); use GIMP or a
-    B-spline there. Refused in axisymmetric scenes like GIMP.
+    The box stays along the axes (Wallstedt and Guilkey 2008), with the second moment that the deformed particle
+    has along each of them. Stretch along the axes gives the published :math:`l_a = F_{aa} l_{0a}`, and keeps the particles of a body side
+    by side, without gaps or overlap. The diagonal of F itself is no size of a body that turns: a quarter of a turn makes it zero.
+    ``reach`` is the largest half size in cells: 1 allows a particle of half a cell to grow fourfold. Known to be inaccurate: large
+    shear, and stretched bodies that lie across the axes, whose boxes overlap; use a B-spline there. Refused in axisymmetric scenes
+    like GIMP.
     """
 
     references = (

@@ -282,7 +282,7 @@ def test_explain_shows_the_step():
     assert re.search(r"particles +advect, strain, stress +QuadraticBSpline, NeoHookean", text)
     assert re.search(r"C +32 B +APIC", text) and re.search(r"stress +0 B +computed where it is asked for", text)
     assert "off (no field, no line, no time): ArtificialViscosity, BodyForce, Damping, FrictionalContact" in text
-    assert "h / (c + |v|)" in text and "body 'bar'" in text
+    assert "h / (c + |v| + |C| h)" in text and "body 'bar'" in text
     assert sim.compose().plan.text == Path(text.rsplit("generated step: ", 1)[1]).read_text()
     data = explanation.data
     assert json.loads(json.dumps(data)) == data

@@ -6,6 +6,7 @@ from small_scenes import EPS, bar, components, example, grid, run, simulation
 
 import mpmkit as mpm
 from mpmkit._core.composing.increments import (
+    centred,
     exponential_increment,
     exponential_volume_ratio,
     first_order_increment,
@@ -86,6 +87,23 @@ def test_order_of_the_updates(increment, order, dt):
     L = np.array([0.3, 1.0, -0.2, -0.7, 0.1, 0.4, 0.2, -0.5, 0.6])
     errors = [np.abs(np.array(increment(tuple(L), s)).reshape(3, 3) - expm(s * L.reshape(3, 3))).max() for s in (dt, 0.5 * dt)]
     assert errors[0] / errors[1] > 2**order * 0.9
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_centred_gradient_follows_the_positions(way):
+    """With Cayley's form the gradient of x + dt v for what follows, and of what has led to x; skew for a rotation along chords. Rounding."""
+    rng = np.random.default_rng(7)
+    A = rng.uniform(-0.2, 0.2, (3, 3))
+    moved = np.eye(3) + A if way > 0.0 else np.linalg.inv(np.eye(3) - A)
+    dt = 0.1
+    found = midpoint_increment(centred(tuple((A / dt).ravel()), way * dt), dt)
+    assert np.array(found).reshape(3, 3) == pytest.approx(moved, abs=20 * EPS)
+    angle = 0.3
+    R = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+    chord = way * (np.linalg.matrix_power(R, int(way)) - np.eye(3))  # x is where the chord begins, or ends
+    G = np.array(centred(tuple((chord / dt).ravel()), way * dt)).reshape(3, 3)
+    assert np.abs(G + G.T).max() < 40 * EPS / dt
+    assert np.array(midpoint_increment(tuple(G.ravel()), dt)).reshape(3, 3) == pytest.approx(R, abs=20 * EPS)
 
 
 # --- strain updates, in a simulation ------------------------------------------------------------------------------

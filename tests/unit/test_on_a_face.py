@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 from small_scenes import RUBBER, run, simulation
@@ -9,7 +10,10 @@ from small_scenes import RUBBER, run, simulation
 import mpmkit as mpm
 from mpmkit.boundaries import Wall
 from mpmkit.effects import Gravity
+from mpmkit.integrators import APIC, MUSL, TPIC
 from mpmkit.shapes import GIMP, CubicBSpline, Linear, QuadraticBSpline
+from mpmkit.stability.cases.thin_wall import at_wall
+from mpmkit.stability.compositions import default
 
 H = 0.1  # no number of the machine: the faces are rounded
 SHAPES = [Linear(), GIMP(), QuadraticBSpline(), CubicBSpline()]
@@ -32,6 +36,25 @@ def test_a_particle_slides_along_a_face(shape, face):
         now = sim.particles("particle")
         assert np.abs(now["x"] - (face, 0.49)).max() < 1e-14
         assert np.abs(now["F"] - np.eye(3).ravel()).max() < 1e-14
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("transfer", [APIC(), TPIC()], ids=lambda transfer: type(transfer).__name__)
+@pytest.mark.parametrize("face", [0.0, 1.0])
+def test_affine_motion_does_not_grow_on_a_face(transfer, face):
+    """Tolerance: rounding. The inner neighbour of the face has a slope but no mass: any stress would throw it, and C with it."""
+    sim = single((face, 0.25), shape=QuadraticBSpline(), integrator=MUSL(transfer), v=(0.0, 0.25))
+    run(sim, 1.6)
+    now = sim.particles("particle")
+    assert np.abs(now["x"] - (face, 0.65)).max() < 1e-12
+    assert np.abs(now["stress"]).max() < 1e-12 * RUBBER.E
+
+
+@pytest.mark.physics
+def test_nodes_that_affine_motion_reaches_limit_the_time_step():
+    """A particle stopped at a wall has |v| = 0 but C = v / h: the next step must not be h / c, or it is thrown behind the wall."""
+    composition = attrs.evolve(default(), integrator=MUSL(APIC()), contact=None)
+    assert [at_wall(composition, place) for place in (5.0, 5.4)] == [0.0, 0.0]
 
 
 @pytest.mark.physics

@@ -85,8 +85,9 @@ class ExplicitIntegrator(Integrator):
     cfl: float = parameter("time step as a fraction of h / (|v| + c)", gt=0.0, le=1.0, default=0.4, kw_only=True)
     dt: float | None = parameter("fixed time step; automatic if not given", unit="s", gt=0.0, default=None, kw_only=True)
     strain: str = parameter(
-        "update of F: exp(dt L) F, Cayley's midpoint form, or (I + dt L) F as printed (inflates rotating bodies)",
-        choices=("exponential", "midpoint", "first-order"),
+        "update of F: exp(dt L) F; Cayley's midpoint form; (I + dt L) F as printed; or from L in the middle of the displacement, "
+        "with which a body that spins freely does not swell",
+        choices=("exponential", "midpoint", "first-order", "centred"),
         default="exponential",
         kw_only=True,
     )

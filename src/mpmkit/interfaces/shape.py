@@ -26,7 +26,7 @@ class ShapeFunction(Component):
         ``weights(f)`` or ``weights(f, half)`` returns (weights, slopes), two tuples of length ``nodes``; the slopes
         are derivatives with respect to xi. ``half`` is half the particle's edge in cells.
     particle_size : str
-        "none", "initial" (half is constant) or "current" (half is stretched by the diagonal of F).
+        "none", "initial" (half is constant) or "current" (half follows F, the box has the second moments of the deformed particle).
     order : int
         Highest degree that is reproduced in one cell (1 for linear and GIMP, 2, 3).
     smooth : bool

@@ -92,10 +92,10 @@ CAUTIONS: tuple[Caution, ...] = (
         severity="inaccurate",
         when=_turns_to_first_order,
         reason=(
-            "strain='first-order' updates F by I + dt L, whose determinant in a rotation by an angle a in a step is 1 + a^2: bodies that "
-            "turn swell, and their stress makes energy"
+            "strain='first-order' updates F by I + dt L, whose determinant is 1 + a^2 where velocities are those of a rotation by an "
+            "angle a in a step: bodies that prescribed velocities turn swell, and their stress makes energy"
         ),
-        remedy="strain='exponential' (the default) or 'midpoint'",
+        remedy="strain='exponential' (the default) or 'midpoint'; 'centred' for bodies that spin freely",
         shown_by=("turned-by-the-grid",),
     ),
 )

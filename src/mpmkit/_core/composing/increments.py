@@ -1,7 +1,10 @@
 """Updates of the deformation gradient over one step, F <- increment(L, dt) F, as scalar functions.
 
-The first-order form (eq 13 of Guilkey's introduction, eq 3-13c of SAND2002-0482) inflates a rotating body, J =
-(1 + w^2 dt^2)^n; the exponential and Cayley's midpoint form are orthogonal for a skew L.
+L is taken at the positions x of one end of the displacement, along which velocities are constant. With velocities that are those of a
+rigid rotation there (prescribed ones), L is skew: the exponential and Cayley's midpoint form are orthogonal, the first-order form (eq 13 of
+Guilkey's introduction, eq 3-13c of SAND2002-0482) gives J = (1 + w^2 dt^2)^n. A body that spins freely goes along chords:
+x + dt v = R x, so that dt L = R - I is not skew but has the trace -(w dt)^2, and it is I + dt L that is orthogonal. Then the exponential
+loses (w dt)^2 of J in each step, and the body swells by as much to keep its stress. `centred` takes L to the middle of the chord.
 """
 
 from mpmkit.math import exp
@@ -16,6 +19,15 @@ def first_order_increment(L, dt):
 def midpoint_increment(L, dt):
     """(I - dt/2 L)^-1 (I + dt/2 L), exact for a velocity gradient that is constant in the half-step configuration."""
     return matmul(inverse(combine(1.0, IDENTITY, -0.5 * dt, L)), combine(1.0, IDENTITY, 0.5 * dt, L))
+
+
+def centred(L, dt):
+    """L (I + dt/2 L)^-1, the velocity gradient with respect to the middle of the displacement dt v; dt < 0 if that led to x.
+
+    Cayley's form of it is I + dt L, or (I - |dt| L)^-1 for dt < 0: F follows the positions exactly, and a rotation along chords
+    has a skew gradient (Hughes and Winget (1980), doi:10.1002/nme.1620151210).
+    """
+    return matmul(L, inverse(combine(1.0, IDENTITY, 0.5 * dt, L)))
 
 
 def exponential_increment(L, dt):

@@ -8,7 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from mpmkit._core.composing.sizes import half_size
 from mpmkit._core.composing.source import ParticleLoop
+
+LEAST_MOMENT = 0.125
+"""Second moment of the weights [h^2] below which the affine motion is held back: stable up to dt c / h = 2 (D / 3)^(1/2) = 0.4 in three
+dimensions without any stiffness in shear. Splines have 1/4 or more away from the faces, and no less than 1/8 for the outermost particles
+of up to three in a cell."""
 
 SYM_AT = ((0, 3, 5), (3, 1, 4), (5, 4, 2))  # index of sigma_ab among xx yy zz xy yz xz
 
@@ -30,8 +36,7 @@ def p2g(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     for name in ("m", "v", *(["C"] if "C" in loop.group.layout.fields else [])):
         loop.field(name)
     if "size_now" in loop.group.layout.fields:
-        loop.field("size"), loop.field("F")
-        loop.line(f"size_now = ({', '.join([f'size[{a}] * F[{4 * a}]' for a in range(loop.dim)] + ['zero'] * (3 - loop.dim))})")
+        loop.line(f"size_now = ({', '.join([half_size(loop, a) for a in range(loop.dim)] + ['zero'] * (3 - loop.dim))})")
         loop.store("size_now")
     loop.add("m", 0, "w", "m")
     _momentum(loop, "v" if loop.composition.merges else "v_old")
@@ -165,7 +170,8 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
             parts.append(loop.call("velocity", transfer.velocity, "transfer", loop.group, special))
         loop.line(f"v = ({', '.join(parts + ['zero'] * (3 - dim))})")
         if affine != "none":
-            loop.line(f"C = ({', '.join(_full(affine_matrix(loop, source, by_moment), dim))})")
+            C, held = affine_matrix(loop, source, by_moment), held_back(loop)
+            loop.line(f"C = ({', '.join(_full([f'{one} * {held[k % dim]}' if held else one for k, one in enumerate(C)], dim))})")
             loop.store("C")
     if external:
         power = " + ".join(f"f_ext_w{a} * (v_before[{a}] + v[{a}])" for a in range(dim))
@@ -177,6 +183,24 @@ def g2p(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
                     power += f" + {given[dim * a + b]} * (C_before[{3 * a + b}] + C[{3 * a + b}]) * (D{b} * {h[b]} * {h[b]})"
         loop.total("external", f"T(0.5) * m * ({power})")
     loop.store("v")
+
+
+def held_back(loop: ParticleLoop) -> list[str]:
+    """Factors of the columns of C, min(1, D_b / `LEAST_MOMENT`); none for kinked shape functions, with which light nodes are softened.
+
+    A particle that its own forces set in affine motion is an oscillator of frequency c / (h sqrt(D)): a node at a distance of a cell that
+    has the share D of its mass takes all of the force. On an interpolating node, as on a face of the domain, D is zero, and no step
+    would be stable. FLIP does not feel it, because v_p is a mean over the nodes; C is a difference.
+    """
+    shape = loop.composition.shape
+    if shape is None or not shape.smooth:
+        return []
+    second_moments(loop)
+    if "held" not in loop.have:
+        for b in range(loop.dim):
+            loop.line(f"held{b} = min(one, D{b} * T({1.0 / LEAST_MOMENT!r}))")
+        loop.have.add("held")
+    return [f"held{b}" for b in range(loop.dim)]
 
 
 def affine_matrix(loop: ParticleLoop, source: str, by_moment: bool) -> list[str]:
@@ -249,6 +273,11 @@ def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     corner = f"{loop.summed(source, 'w')[0]} / r_p" if hoop else "zero"
     loop.line(f"L = ({', '.join(_full(affine_matrix(loop, source, affine), dim, corner))})")
     kind = getattr(c.integrator, "strain", "exponential").replace("-", "_")
+    if kind == "centred":
+        # L of a recipe that strains first belongs to the displacement that has led to x, of others to that which follows
+        way = "-dt" if "momentum" in c.verbs and c.verbs.index("strain") < c.verbs.index("momentum") else "dt"
+        loop.line(f"L = {loop.names.of('centred', _tensor('centred'))}(L, {way})")
+        kind = "midpoint"
     if c.reference:
         loop.names.of("reference_step", _tensor("reference_step"))
         loop.field("F")
@@ -271,7 +300,7 @@ def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     loop.watch("inverted", str(loop.field("J")))
     if c.shape is not None and c.shape.particle_size == "current":
         for a in range(dim):
-            loop.watch("stretched", f"T({c.shape.max_half!r}) - {loop.field('size')}[{a}] * F[{4 * a}] * {loop.along('inv_h', a)}", ">=")
+            loop.watch("stretched", f"T({c.shape.max_half!r}) - {half_size(loop, a)} * {loop.along('inv_h', a)}", ">=")
 
 
 def stress(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
@@ -300,7 +329,12 @@ def stress(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
             speed = "signal"
     v = loop.field("v")
     squares = " + ".join(f"{v}[{a}] * {v}[{a}]" for a in range(loop.dim))
-    loop.line(f"signal_speed = {speed} + sqrt({squares})")
+    fastest = f"{speed} + sqrt({squares})"
+    if "C" in loop.group.layout.fields:  # nodes a cell away get v + C (x_i - x_p)
+        C = loop.field("C")
+        edges = [f"({C}[{3 * a + b}] * {loop.along('h', b)})" for a in range(loop.dim) for b in range(loop.dim)]
+        fastest += f" + sqrt({' + '.join(f'{one} * {one}' for one in edges)})"
+    loop.line(f"signal_speed = {fastest}")
     loop.maximum("speed", "signal_speed")
     if "diffusivity" in group.hooks:
         loop.line(f"diffusivity = {loop.material('diffusivity')}")

@@ -10,7 +10,7 @@ import attrs
 
 from mpmkit._core.composing.composition import Composition, Group
 from mpmkit._core.composing.layout import LANES, NodeLayout, Slots, lane
-from mpmkit.errors import FieldContractError, did_you_mean
+from mpmkit.errors import FieldContractError, ParameterError, did_you_mean
 from mpmkit.fields import KERNEL_ARGUMENTS, PARTICLE_FIELDS
 from mpmkit.kernels import Kernel
 
@@ -31,9 +31,27 @@ class Parameters:
         return self.slots[name]
 
     def values(self, roles: dict[str, Any], dtype: type) -> Any:
+        """The numbers, in their slots.
+
+        Raises
+        ------
+        ParameterError
+            If the precision in use cannot hold one.
+        """
         import numpy as np
 
-        return np.array([getter(roles) for getter in self.getters] or [0.0], dtype=dtype)
+        exact = np.array([getter(roles) for getter in self.getters] or [0.0], dtype=float)
+        with np.errstate(over="ignore"):
+            out: Any = exact.astype(dtype)
+        lost = np.flatnonzero(np.isfinite(exact) & ~np.isfinite(out))
+        if lost.size:
+            role, _, name = next(name for name, slot in self.slots.items() if slot == lost[0]).rpartition("_")
+            whose = type(roles[role]).__name__ if role in roles else role or "the grid"
+            raise ParameterError(
+                f"{name} of {whose} is {exact[lost[0]]:g}, {np.dtype(dtype).name} holds up to {float(np.finfo(dtype).max):.2g}. "
+                'To fix: a smaller number, other units, or precision="float64"'
+            )
+        return out
 
 
 @attrs.define(eq=False)

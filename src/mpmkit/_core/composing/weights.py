@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mpmkit._core.composing.layout import LANES, Slots, lane
+from mpmkit._core.composing.sizes import half_size
 from mpmkit._core.composing.source import ParticleLoop
 
 
@@ -64,8 +65,10 @@ def _arguments(loop: ParticleLoop, a: int, special: dict[str, str]) -> list[str]
     assert shape is not None
     if shape.particle_size != "none":
         kept = c.keeps_size and not loop.first
-        half = f"{loop.field('size_now' if kept else 'size')}[{a}] * {loop.along('inv_h', a)}"
-        special["half"] = f"{half} * {loop.field('F')}[{4 * a}]" if shape.particle_size == "current" and not kept else half
+        if shape.particle_size == "current" and not kept:
+            special["half"] = f"{half_size(loop, a)} * {loop.along('inv_h', a)}"
+        else:
+            special["half"] = f"{loop.field('size_now' if kept else 'size')}[{a}] * {loop.along('inv_h', a)}"
     return [loop.argument(one, shape, "shape", "weights", special) for one in shape.weights.arguments]
 
 

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from mpmkit._core.composing.sizes import half_sizes
 from mpmkit._core.running.engine import FLAGS, Engine
-from mpmkit.errors import StabilityError
+from mpmkit._core.running.store import BodyStore
+from mpmkit.errors import ParameterError, StabilityError
 
 
 def check(engine: Engine) -> None:
@@ -20,11 +22,42 @@ def check(engine: Engine) -> None:
     """
     if engine.flags.any():
         _explain(engine)
-    speed = engine.outs[:, 0].max()
-    if not np.isfinite(speed):
-        body = int(np.argmax(~np.isfinite(engine.outs[:, 0])))
-        what = "the wave speed is not a number"
-        raise _failed(engine, body, None, what, "lower cfl, or look at the material's range of validity", shorter=True)
+    _speeds(engine)
+
+
+def _speeds(engine: Engine) -> None:
+    """Refuse wave speeds that are infinite or not a number."""
+    if np.isfinite(engine.outs[:, 0]).all():
+        return
+    body = int(np.argmax(~np.isfinite(engine.outs[:, 0])))
+    speed = float(engine.outs[body, 0])
+    what = "the wave speed is not a number" if np.isnan(speed) else "the wave speed, or the speed of a particle, is infinite"
+    begun = engine.step_number > 0
+    fix = "lower cfl, or look at the material's range of validity" if begun else "smaller moduli, a larger rho, or other units"
+    raise _failed(engine, body, None, f"{what}, c + |v| = {speed:g} m/s", fix, shorter=begun)
+
+
+def masses(store: BodyStore, rho: float) -> None:
+    """Refuse masses and kinetic energies that the precision in use cannot hold.
+
+    Raises
+    ------
+    ParameterError
+        With the body, the number, the allowed range, and the density that it comes from.
+    """
+    precision = np.finfo(store.P.dtype)
+    m: Any = np.asarray(store.get("m"), dtype=float)
+    with np.errstate(over="ignore"):
+        kinetic = 0.5 * (m[:, None] * np.asarray(store.get("v"), dtype=float) ** 2).sum()
+        sums = (("the mass of its lightest particle", m.min(), "kg"), ("its mass", m.sum(), "kg"), ("its kinetic energy", kinetic, "J"))
+    for k, (what, number, unit) in enumerate(sums):
+        if not number <= float(precision.max) or (k == 0 and number < float(precision.tiny)):
+            given = f"rho = {rho:g} kg/m^3 and {store.n} particles of {float(np.min(store.points.V0)):.3g} m^3 or more"
+            fix = "another rho, other units" + (', or precision="float64"' if precision.bits < 64 else "")
+            raise ParameterError(
+                f"body {store.name!r}: {what} is {number:g} {unit}, with {given}; {precision.dtype} holds {float(precision.tiny):.2g} to "
+                f"{float(precision.max):.2g}. To fix: {fix}"
+            )
 
 
 def wrong(engine: Engine, body: int, flag: str) -> Any:
@@ -39,9 +72,8 @@ def wrong(engine: Engine, body: int, flag: str) -> Any:
     shape = engine.c.shape
     if shape is None or shape.particle_size != "current":
         return np.zeros(store.n, dtype=bool)
-    stretch = store.get("F")[:, [0, 4, 8][: engine.c.dim]]
-    size = store.get("size")
-    return ~(size * stretch / np.asarray(engine.c.grid.spacing) <= shape.max_half).all(axis=1)
+    now = half_sizes(store.get("size"), store.get("F"))
+    return ~(now / np.asarray(engine.c.grid.spacing) <= shape.max_half).all(axis=1)
 
 
 def jumped(engine: Engine, body: int) -> bool:

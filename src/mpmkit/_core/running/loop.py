@@ -15,6 +15,7 @@ import mpmkit
 from mpmkit._core.composing import contract, jit
 from mpmkit._core.composing.composition import collect
 from mpmkit._core.composing.plan import make_plan
+from mpmkit._core.composing.sizes import half_sizes
 from mpmkit._core.running import checkpoint, frames, guards, leaving, memory, snapshot, timestep, workers
 from mpmkit._core.running.alarm import CREATED_WARN, EnergyAlarm
 from mpmkit._core.running.engine import Engine
@@ -51,6 +52,8 @@ class Run:
             BodyStore(composition.group_of(k), sim.body_name(b), p, b.material.rho, dtype)
             for k, (b, p) in enumerate(zip(sim.bodies, points, strict=True))
         ]
+        for store, b in zip(stores, sim.bodies, strict=True):
+            guards.masses(store, b.material.rho)
         if self.plan.composition.shape is not None:
             self._check_sizes(stores)
         self._stores = stores
@@ -96,7 +99,10 @@ class Run:
         shape, grid = self.plan.composition.shape, self.sim.grid
         assert shape is not None
         for store in stores:
-            half = float((store.points.size.max(axis=0) / np.asarray(grid.spacing)).max())
+            size, F = store.points.size, getattr(store.points, "F", None)
+            stretched = shape.particle_size == "current" and F is not None
+            largest = (half_sizes(size, F) if stretched else size).max(axis=0)
+            half = float((largest / np.asarray(grid.spacing)).max())
             if shape.particle_size != "none" and half > shape.max_half * (1 + 1e-9):
                 raise CompositionError(
                     f"body {store.name!r}: particles are {2 * half:.3g} cells wide, {type(shape).__name__} allows {2 * shape.max_half:g}; "

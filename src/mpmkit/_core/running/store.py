@@ -11,6 +11,7 @@ import numpy as np
 
 from mpmkit._core.composing.composition import Group
 from mpmkit._core.composing.layout import LANES
+from mpmkit._core.composing.sizes import half_sizes
 from mpmkit.fields import PARTICLE_FIELDS
 
 
@@ -69,12 +70,13 @@ class BodyStore:
         self.points = points
         self.operator: tuple[Any, ...] = ()
         self.derive: Callable[[BodyStore, str, int, int], Any] = _not_running
-        dim = self.layout.dim
-        initial: dict[str, Any] = {"x": points.x, "X": points.x, "v": points.v, "V0": points.V0, "m": rho * points.V0}
+        with np.errstate(over="ignore"):  # masses that are infinite are refused with the numbers that they come from
+            m = (rho * points.V0).astype(dtype)
+        initial: dict[str, Any] = {"x": points.x, "X": points.x, "v": points.v, "V0": points.V0, "m": m}
         initial |= {"size": points.size, "size_now": points.size}
         if getattr(points, "F", None) is not None:
             F = np.asarray(points.F).reshape(self.n, 9)
-            initial |= {"F": F, "J": np.linalg.det(F.reshape(-1, 3, 3)), "size_now": points.size * F[:, [0, 4, 8][:dim]]}
+            initial |= {"F": F, "J": np.linalg.det(F.reshape(-1, 3, 3)), "size_now": half_sizes(points.size, F)}
         if getattr(points, "stress", None) is not None:
             initial["stress"] = points.stress
         for name_, field in self.layout.fields.items():
@@ -84,7 +86,7 @@ class BodyStore:
                 one = np.zeros(FULL[field.shape])
                 diagonal = {"tensor": (0, 4, 8), "symmetric": (0, 1, 2)}.get(field.shape, range(FULL[field.shape]))
                 one[list(diagonal)] = field.initial
-                one = one[:dim] if field.shape == "vector" else one
+                one = one[: self.layout.dim] if field.shape == "vector" else one
                 self.set(name_, np.broadcast_to(one, (self.n, one.size)))
 
     def release(self) -> None:

@@ -25,9 +25,11 @@ def limits(engine: Engine) -> list[Limit]:
     c = engine.c
     h, dim = c.grid.h, c.dim
     out = []
+    affine = c.transfer is not None and c.transfer.affine != "none"
+    sum_ = "c + |v| + |C| h" if affine else "c + |v|"  # nodes a cell from a particle get v + C (x_i - x_p)
     for store, row in zip(engine.stores, engine.outs, strict=True):
         if row[0] > 0.0:
-            rule = f"wave speed and particle speed of body {store.name!r}, h / (c + |v|) with c + |v| = {row[0]:.6g} m/s"
+            rule = f"wave speed and particle speed of body {store.name!r}, h / ({sum_}) with {sum_} = {row[0]:.6g} m/s"
             out.append(Limit(h / row[0], rule, waves=True))
         if row[1] > 0.0:
             out.append(
