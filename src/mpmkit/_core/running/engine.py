@@ -132,8 +132,9 @@ class Engine:
 
     def _parameters(self) -> None:
         c, plan, stores = self.c, self.plan, self.stores
-        masses = [(float(m.min()), float(m.mean())) for m in (s.get("m") for s in stores)]
-        particle_mass, mean_masses = min(low for low, _ in masses), [mean for _, mean in masses]
+        masses = [[m for (m,) in s.pieces("m")] for s in stores]
+        particle_mass = min(float(m.min()) for pieces in masses for m in pieces)
+        mean_masses = [sum(float(m.sum()) for m in pieces) / s.n for s, pieces in zip(stores, masses, strict=True)]
         self.m_small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
         roles = c.roles() | {"grid": c.grid, "m_small": self.m_small} | self._light(float(np.mean(mean_masses)))
         self.node_par = plan.node_parameters.values(roles, self.dtype)

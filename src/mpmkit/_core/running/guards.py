@@ -46,10 +46,10 @@ def masses(store: BodyStore, rho: float) -> None:
         With the body, the number, the allowed range, and the density that it comes from.
     """
     precision = np.finfo(store.P.dtype)
-    m: Any = np.asarray(store.get("m"), dtype=float)
     with np.errstate(over="ignore"):
-        kinetic = 0.5 * (m[:, None] * np.asarray(store.get("v"), dtype=float) ** 2).sum()
-        sums = (("the mass of its lightest particle", m.min(), "kg"), ("its mass", m.sum(), "kg"), ("its kinetic energy", kinetic, "J"))
+        found = [(m.min(), m.sum(), 0.5 * (m * v**2).sum()) for m, v in store.pieces("m", "v")]
+        lightest, mass, kinetic = min(one[0] for one in found), sum(one[1] for one in found), sum(one[2] for one in found)
+    sums = (("the mass of its lightest particle", lightest, "kg"), ("its mass", mass, "kg"), ("its kinetic energy", kinetic, "J"))
     for k, (what, number, unit) in enumerate(sums):
         if not number <= float(precision.max) or (k == 0 and number < float(precision.tiny)):
             given = f"rho = {rho:g} kg/m^3 and {store.n} particles of {float(np.min(store.points.V0)):.3g} m^3 or more"

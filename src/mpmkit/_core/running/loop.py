@@ -431,7 +431,7 @@ class Run:
     def momentum_error(self) -> float:
         """Momentum that appeared without an impulse of forces or walls, relative to the sum of all momenta and impulses."""
         first, last = self.rows[0], self.ledger.last
-        scale = sum(s.momenta() for s in self._stores)
+        scale = sum(float((m * np.abs(v)).sum()) for s in self._stores for m, v in s.pieces("m", "v"))
         error = 0.0
         for a in "xyz":
             gained = last[f"momentum_{a}"] + last[f"left_momentum_{a}"] - first[f"momentum_{a}"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import attrs
@@ -222,13 +222,11 @@ class BodyStore:
                 full[ids, column] = found[:, k, :].reshape(-1)[: len(ids)]
         return full[:, 0] if field.shape == "scalar" else full
 
-    def momenta(self) -> float:
-        """Sum of the amounts of all momenta along the axes [kg m/s], without copies of all masses and velocities."""
-        total = 0.0
+    def pieces(self, *names: str) -> Iterator[list[Any]]:
+        """Fields in the order of the buffer, some particles at a time, float64[some, components] each: for sums without copies of all."""
         for first in range(0, self.tiles, AT_ONCE):
-            mv = self.tiles_of("m", first, first + AT_ONCE) * np.abs(self.tiles_of("v", first, first + AT_ONCE))
-            total += float(mv.transpose(0, 2, 1).reshape(-1, mv.shape[1])[: self.n - first * LANES].sum())
-        return total
+            tiles = [self.tiles_of(name, first, first + AT_ONCE).transpose(0, 2, 1) for name in names]
+            yield [one.reshape(-1, one.shape[2])[: self.n - first * LANES].astype(float) for one in tiles]
 
     def available(self) -> list[str]:
         """Names `get` answers to."""
