@@ -75,7 +75,7 @@ def stepper(sim: Any) -> Stepper:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         run = sim.compose()
-        run._warm_up()  # compiles the step and the ledger without moving anything
+        run.warm_up()  # compiles the step and the ledger without moving anything
     return Stepper(run)
 
 

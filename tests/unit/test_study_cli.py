@@ -1,17 +1,15 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 import tomli_w
 from small_study import EXACT, bar
 
 from mpmkit.cli import main
-from mpmkit.studies import Study, results
+from mpmkit.studies import results
 
 pytestmark = pytest.mark.usefixtures("plain_python")
-EXAMPLES = Path(__file__).parents[2] / "examples" / "studies"
 
 
 @pytest.fixture
@@ -76,9 +74,3 @@ def test_a_study_file_with_an_unknown_axis(file, tmp_path, capsys):
     (tmp_path / file).write_text(text.replace("grid.spacing", "grid.spacng"))
     call(file, "--dry-run", status=1)
     assert "axis 'grid.spacng': Grid has no field 'spacng'; did you mean 'spacing'?" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*_study.toml")), ids=lambda p: p.stem)
-def test_the_examples_can_be_planned(path):
-    plan = Study.from_file(path).plan()
-    assert plan and all(run.planned for run in plan)

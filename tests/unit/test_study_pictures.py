@@ -74,6 +74,32 @@ def test_many_compositions_have_dashes_when_colours_begin_again():
     assert len(looks.colours) == 9 and len(set(looks.colours.values())) == 9
 
 
+def crossed():
+    """The rows of the small study under two integrators, and one composition with a name of its own."""
+    rows = [
+        row | {"composition": f"{row['composition']}, {how}", "labels": row["labels"] | {"integrator": how}}
+        for how in ("MUSL", "USL")
+        for row in results()
+    ]
+    fem = [row | {"composition": "FEM", "labels": {"discretization": "FEM"}} for row in results() if row["composition"] == "Linear"]
+    return StudyResults([*rows, *fem], results().meta)
+
+
+def test_a_product_of_two_axes_has_colours_for_one_and_dashes_for_the_other():
+    looks = pictures.Looks.of(crossed()).colours
+    shapes = ("Linear", "GIMP", "QuadraticBSpline")
+    for k, shape in enumerate(shapes):
+        assert [looks[f"{shape}, {how}"] for how in ("MUSL", "USL")] == [(pictures.COLOURS[k], dash) for dash in pictures.DASHES[:2]]
+    assert looks["FEM"] == (pictures.COLOURS[len(shapes)], pictures.DASHES[0])
+
+
+def test_panels_of_one_kind_stand_two_in_a_row():
+    both = pictures.draw(results(), kind="convergence")  # two errors
+    first, second = (axes.get_position() for axes in both.axes)
+    assert first.y0 == pytest.approx(second.y0) and first.x1 < second.x0
+    assert both.get_size_inches()[0] == pytest.approx(2 * pictures.WIDTH)
+
+
 VISION = {
     "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
     "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],

@@ -222,7 +222,7 @@ def equal_to_the_bit(make, steps=20):
         sim = make()
         run = sim.compose()
         run.use(threads)
-        run._warm_up()
+        run.warm_up()
         engine = run.engine
         assert engine.team.size == threads
         if not engine.c.stored_operator:

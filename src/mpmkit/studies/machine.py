@@ -15,7 +15,7 @@ from typing import Any
 import mpmkit
 from mpmkit._core.registry import registry
 
-PRESENTATION = ("mpmkit/cli/", "mpmkit/_core/drawing/", "mpmkit/views", "mpmkit/testing/", "mpmkit/explanation")
+PRESENTATION = ("mpmkit/cli/", "mpmkit/_core/drawing/", "mpmkit/views", "mpmkit/testing/", "mpmkit/stability/", "mpmkit/explanation")
 """Sources that no number depends on."""
 STUDIES = (
     "axes", "fit", "sentences", "numbers", "pictures", "html", "advice", "advising", "published", "problem", "results", "running", "study",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterable
 from html import escape
@@ -37,12 +38,16 @@ WIDTH, HEIGHT, LEGEND_LINE = 4.9, 3.9, 0.19  # inch
 FRONT = "nothing is faster and better"
 ANNOTATED = 6
 """Most compositions whose orders are written beside their lines."""
+FEW = 4
+"""Most compositions that get a colour each, even if they are a product of two axes."""
+KNOWN = 1.5
+"""Largest half width of the confidence interval of an order whose line and slope are drawn; more than that is scatter."""
 EDGE = 0.055
 """Share of a panel for runs without a result."""
 
 
 def draw(results: StudyResults, measure: str | None = None, kind: str | None = None) -> Figure:
-    """Draw a study: a row for each error, with the work-precision diagram and the convergence beside each other.
+    """Draw a study: a row for each error, with the work-precision diagram and the convergence beside each other; of one kind two in a row.
 
     Parameters
     ----------
@@ -70,16 +75,22 @@ def draw(results: StudyResults, measure: str | None = None, kind: str | None = N
     with style.styled():
         handles = _legend(rows[0][2], kinds, measures[0] if alone else None, looks, results)
         widest = 0.45 + 0.062 * max(len(h.get_label()) for h in handles)  # inch
-        columns = max(1, min(4, int(WIDTH * len(kinds) / widest)))
-        figure: Figure = style.new_figure(WIDTH * len(kinds), HEIGHT * len(rows) + LEGEND_LINE * -(-len(handles) // columns))
-        grid: Any = figure.subplots(len(rows), len(kinds), squeeze=False)
-        for panels, (one, problem, part) in zip(grid, rows, strict=True):
-            for axes, which in zip(panels, kinds, strict=True):
-                if which == WORK:
-                    _work(axes, part, one, looks)
-                else:
-                    _convergence(axes, part, one, looks, alone)
-                axes.set_title(problem, loc="left")
+        places = [(*row, which) for row in rows for which in kinds]
+        abreast = len(kinds) if len(kinds) > 1 else min(2, len(places))
+        columns = max(1, min(4, int(WIDTH * abreast / widest)))
+        height = HEIGHT * -(-len(places) // abreast) + LEGEND_LINE * -(-len(handles) // columns)
+        figure: Figure = style.new_figure(WIDTH * abreast, height)
+        grid: Any = figure.subplots(-(-len(places) // abreast), abreast, squeeze=False)
+        for axes, place in itertools.zip_longest(grid.ravel(), places):
+            if place is None:
+                axes.remove()
+                continue
+            one, problem, part, which = place
+            if which == WORK:
+                _work(axes, part, one, looks)
+            else:
+                _convergence(axes, part, one, looks, alone)
+            axes.set_title(problem, loc="left")
         figure.suptitle(results.name, x=0.01, ha="left", fontweight="bold", fontsize=11)
         shape = {"ncols": columns, "fontsize": 8.5, "handlelength": 2.4, "columnspacing": 1.5}
         figure.legend(handles=handles, loc="outside lower left", **shape)
@@ -179,14 +190,36 @@ class Looks:
     @classmethod
     def of(cls, results: StudyResults) -> Looks:
         """Those of a study."""
-        names = list(dict.fromkeys(name for part in results.parts().values() for name in part.compositions()))
-        count, last = len(COLOURS), max(len(names) - 1, 1)
+        parts = results.parts().values()
+        names = list(dict.fromkeys(name for part in parts for name in part.compositions()))
+        last = max(len(names) - 1, 1)
         resolutions = sorted({r["resolution"] for r in results if r["resolution"]}, reverse=True)
         return cls(
-            {name: (COLOURS[k % count], DASHES[2 * k // count % len(DASHES)]) for k, name in enumerate(names)},
+            _crossed([row for part in parts for row in part]) if len(names) > FEW else _in_turn(names),
             {name: 1.0 + 0.6 * (last - k) / last if len(names) > 1 else 1.0 for k, name in enumerate(names)},
             {h: MARKERS[k % len(MARKERS)] for k, h in enumerate(resolutions)},
         )
+
+
+def _in_turn(names: list[str]) -> dict[str, tuple[str, Any]]:
+    """Colours in turn; dashes change when half of them have been used, so that no two of 16 are the same."""
+    return {name: (COLOURS[k % len(COLOURS)], DASHES[2 * k // len(COLOURS) % len(DASHES)]) for k, name in enumerate(names)}
+
+
+def _crossed(rows: list[Row]) -> dict[str, tuple[str, Any]]:
+    """Compositions that are a product of two axes: colours for the longer one, dashes for the other; else in turn."""
+    names = list(dict.fromkeys(row["composition"] for row in rows))
+    product = [row for row in rows if set(row["labels"]) == set(rows[0]["labels"])]  # without further runs that have a name
+    choices = {name: [row["labels"] for row in product if row["composition"] == name] for name in names}
+    axes = {axis: list(dict.fromkeys(row["labels"][axis] for row in product)) for axis in product[0]["labels"]}
+    fixed = [a for a in axes if all(len({labels[a] for labels in found}) <= 1 for found in choices.values())]
+    varied = sorted((a for a in fixed if len(axes[a]) > 1), key=lambda a: -len(axes[a]))
+    others = [name for name in names if not choices[name]]
+    if len(varied) != 2 or len(axes[varied[0]]) + len(others) > len(COLOURS) or len(axes[varied[1]]) > len(DASHES):
+        return _in_turn(names)
+    colour, dash = varied
+    found = {n: (COLOURS[axes[colour].index(c[0][colour])], DASHES[axes[dash].index(c[0][dash])]) for n, c in choices.items() if c}
+    return found | {name: (COLOURS[len(axes[colour]) + k], DASHES[0]) for k, name in enumerate(others)}
 
 
 def _work(axes: Axes, results: StudyResults, measure: str, looks: Looks) -> None:
@@ -251,7 +284,7 @@ def _convergence(axes: Axes, results: StudyResults, measure: str, looks: Looks, 
         axes.plot(
             [r["resolution"] for r in kept], [r["errors"][measure] for r in kept], color=colour, linestyle=":", linewidth=0.9, zorder=2
         )
-        if found is not None:
+        if found is not None and found.high - found.slope < KNOWN:
             ends = [found.finest, max(r["resolution"] for r in kept)]
             axes.plot(ends, [found.at(h) for h in ends], color=colour, linestyle=dash, linewidth=1.4 * looks.sizes[name], zorder=2)
             fitted.append(found.slope)

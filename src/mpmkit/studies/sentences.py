@@ -135,7 +135,8 @@ class _Said:
         where = self._where(other)
         if other["seconds_low"] is not None and best["seconds_high"] is not None and other["seconds_low"] <= best["seconds_high"]:
             return f"; {where} takes the same within the spread of the times ({seconds(other['seconds'])})."
-        return f"; the next, {where}, takes {times(other['seconds'] / best['seconds'])} as long."
+        factor = other["seconds"] / best["seconds"]
+        return f"; the next, {where}, takes {f'{times(factor)} as long' if factor >= 1.05 else 'hardly longer'}."
 
     def digits(self) -> list[str]:
         """What a tenth of the error costs in each composition, and the order behind it."""

@@ -84,7 +84,7 @@ class Stepping:
         self.sim = scenes.build(job)
         self.run = self.sim.compose()
         self.run.use(job.get("threads", 1))
-        self.run._warm_up()
+        self.run.warm_up()
         self.engine = self.run.engine
         self.until = float(job["until"])
         self.reporter = Reporter(self.until, self.run.n_particles, quiet=True)
@@ -112,7 +112,7 @@ class Stepping:
         """Step to a time; the wall time it took [s]."""
         gap = t - self.engine.t
         begin = time.perf_counter()
-        self.run._loop(t, self.reporter)
+        self.run.step_to(t, self.reporter)
         spent = time.perf_counter() - begin
         limit = self.run.limit
         self.dt = gap if limit is None else min(limit.dt, gap)  # that of the steps before the last ones, which land on t

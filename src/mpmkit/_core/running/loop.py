@@ -150,7 +150,7 @@ class Run:
         self.writer.seconds = 0.0
         if not self._warm:
             with reporter.compiling():
-                self._warm_up()
+                self.warm_up()
         engine = self.engine
         self._forget_later()
         try:
@@ -159,7 +159,7 @@ class Run:
                 self.recorders = [Recorder(r, self) for r in self.sim.records]
             if not self.sim.records and not self.frames:
                 self.frames.append((engine.t, engine.step_number, frames.frame(self._stores)))
-            self._loop(until, reporter)
+            self.step_to(until, reporter)
         except BaseException as error:
             reporter.stop()
             self._leave(error)
@@ -182,7 +182,7 @@ class Run:
             notes["left the domain"] = f"{len(self.left)} particles, {mass:.4g} kg, the first at t = {self.left[0]['t']:.6g} s"
         return notes
 
-    def _warm_up(self) -> None:
+    def warm_up(self) -> None:
         """Compile everything before the clock of the run starts: one very short step, then the state as it was."""
         engine = self.engine
         self._warm = True
@@ -195,7 +195,8 @@ class Run:
         engine.clocks.clear()
         engine.flags[:] = False
 
-    def _loop(self, until: float, reporter: Reporter) -> None:
+    def step_to(self, until: float, reporter: Reporter) -> None:
+        """Step to `until` and nothing else: no compilation, no frame in memory, no summary; what studies measure."""
         engine = self.engine
         every = min((r.record.history for r in self.recorders), default=10)
         if engine.t >= until:

@@ -41,7 +41,7 @@ def twin(sim: Simulation, threads: int, leave_out: Place | None = None) -> Run:
         getattr(other, kind)[:] = [part for k, part in enumerate(getattr(sim, kind)) if (kind, k) != leave_out]
     run = Run(other)
     run.use(threads)
-    run._warm_up()
+    run.warm_up()
     return run
 
 
