@@ -16,6 +16,42 @@ from click.testing import CliRunner
 from mpmkit.cli.app import group
 from mpmkit.stability.cases import cases
 
+AFFINE = [f"QuadraticBSpline · {integrator}/{transfer}" for integrator in ("MUSL", "USF", "USL") for transfer in ("APIC", "MLS", "TPIC")]
+OPEN = {
+    "a particle with an affine part near a wall: its gradient has no bound as it comes to lie on the face, and it is thrown out again; no "
+    "Courant number helps": {
+        "thin-wall": AFFINE,
+        "on-a-face": AFFINE,
+    },
+    "stresses taken before the momentum make energy in particles that are pressed into a corner, a rounding error from the faces": {
+        "on-a-face": [
+            *(f"QuadraticBSpline · USF/{transfer}" for transfer in ("FLIP", "PIC", "XPIC")),
+            *(f"{shape} · USF/FLIP" for shape in ("ContiguousGIMP", "CubicBSpline", "GIMP", "Linear")),
+        ],
+    },
+    "1.0 to 1.1 % of energy gained at 80 % of the limit, where 1 % is allowed; MUSL loses as much": {
+        case: [f"{shape} · USF/FLIP" for shape in ("QuadraticBSpline", "CubicBSpline")]
+        for case in ("step-above-limit", "refined-at-same-step")
+    },
+    "XPIC with MUSL at a wall: bars that end there lose ten times what the filter takes, and with USF they do not": {
+        "vibrating-bar": ["QuadraticBSpline · MUSL/XPIC"],
+        "wall-to-wall": ["QuadraticBSpline · MUSL/XPIC"],
+        "stiff-on-soft": ["QuadraticBSpline · MUSL/XPIC · FrictionalContact"],
+    },
+    "with USF, the work of a wall on velocities that XPIC has filtered is not what they get: the bar loses 3 %, as it should, the ledger has "
+    "30 % made": {
+        "vibrating-bar": ["QuadraticBSpline · USF/XPIC"],
+    },
+    "USL measures light nodes in the mean particle mass of all bodies in a field, so that all nodes of the light bar are light": {
+        "density-jump": [f"{shape} · USL/FLIP" for shape in ("QuadraticBSpline", "ContiguousGIMP", "GIMP", "Linear")],
+    },
+    "particles that follow the diagonal of F have no size after a quarter turn": {
+        case: [f"ContiguousGIMP · {integrator}/FLIP" for integrator in ("MUSL", "USF", "USL")]
+        for case in ("spinning-disk", "spinning-bar", "turned-by-the-grid")
+    },
+}
+"""What no theory explains yet, by its cause: faults to be mended."""
+
 
 def call(*arguments):
     return CliRunner().invoke(group, ["stability", *arguments])
@@ -93,12 +129,12 @@ def test_the_page_shows_what_was_measured(tmp_path):
     data = json.loads((docs / page.DATA).read_text(encoding="utf-8"))
     assert data["contradicted"] == []
     # what nobody has explained yet is marked in the picture; another one must not come in unseen
-    assert {text.split(":")[0] for text in data["unexplained"]} == {
-        "on-a-face under QuadraticBSpline · MUSL/APIC",
-        "on-a-face under QuadraticBSpline · USF/FLIP",
-        "refined-at-same-step under QuadraticBSpline · USF/FLIP",
-        "step-above-limit under QuadraticBSpline · USF/FLIP",
-    }
+    found = {text.split(":")[0] for text in data["unexplained"]}
+    measured = {f"{c['case']} under {data['compositions'][c['composition']]['name']}" for c in data["cells"]}
+    named = {f"{case} under {name}" for cells in OPEN.values() for case, names in cells.items() for name in names}
+    assert found <= named
+    # the name of a column has its contact, that of a cell only where bodies meet
+    assert {cell for cell in named - found if f"{cell} · FrictionalContact" in measured or cell in measured} == set()
     # every case that is there has been measured, and holds for the default composition
     assert {c["name"] for c in data["cases"]} == set(cases())
     assert {c["status"] for c in data["cells"] if c["composition"] == 0} <= {"holds", "waiting"}

@@ -275,6 +275,19 @@ def test_table_and_picture(tmp_path):
         assert any(max(abs(a - b) for a, b in zip(colour, c, strict=True)) < 6 for c in colours), name
 
 
+def test_panels_are_few_and_narrow():
+    columns = [{"group": name} for name, size in (("a", 21), ("b", 3), ("c", 3), ("d", 3), ("e", 4)) for _ in range(size)]
+    assert [len(p) for p in matrix._panels(columns)] == [21, 13]
+    assert [len(p) for p in matrix._panels(columns[:4])] == [4]
+    assert [len(p) for p in matrix._panels([{"group": "a"}] * 50)] == [17, 17, 16]
+
+
+def test_what_is_beyond_a_limit_of_zero_is_not_a_failed_run():
+    assert matrix.shown({"status": "bounded", "margin": "inf"}) == "∞"
+    assert matrix.shown({"status": "fails", "margin": "inf"}) == "F"
+    assert matrix.shown({"status": "fails", "margin": None}) == "F"
+
+
 @pytest.mark.parametrize(
     ("value", "text"), [(0.0, "0"), (1e-9, "0"), (0.043, ".04"), (0.7, ".70"), (1.0, "1"), (1.001, "1.1"), (24.2, "24"), (3.1e5, "3e5")]
 )

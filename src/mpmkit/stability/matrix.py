@@ -16,7 +16,7 @@ LOOKS = {
 }
 """Colour of the cell, of its text, and the legend; light to dark from good to bad, so that grey shows it too."""
 WIDEST = 24
-"""Columns in one panel; further ones stand below, so that the letters stay large."""
+"""Columns in one panel at most; further ones stand below, so that the letters stay large."""
 WIDE, HIGH = 0.35, 0.28
 """Of a cell [inch]."""
 LETTER, HEADING = 0.062, 0.56
@@ -65,17 +65,28 @@ def draw(data: Plain, path: str | PathLike[str]) -> None:
 
 
 def _panels(compositions: list[Plain]) -> list[list[int]]:
-    """Numbers of the columns, whole groups together, as many groups in a panel as it has room for."""
+    """Numbers of the columns in as few panels as there can be, and these as narrow as they can be."""
+    panels = _filled(compositions, WIDEST)
+    for widest in range(WIDEST - 1, 0, -1):
+        narrower = _filled(compositions, widest)
+        if len(narrower) > len(panels):
+            break
+        panels = narrower
+    return panels
+
+
+def _filled(compositions: list[Plain], widest: int) -> list[list[int]]:
+    """Numbers of the columns, whole groups together as far as they fit, as many groups in a panel as it has room for."""
     groups: dict[str, list[int]] = {}
     for k, c in enumerate(compositions):
         groups.setdefault(c["group"], []).append(k)
     panels: list[list[int]] = []
     for members in groups.values():
-        pieces = math.ceil(len(members) / WIDEST)
+        pieces = math.ceil(len(members) / widest)
         size = math.ceil(len(members) / pieces)
         for start in range(0, len(members), size):
             piece = members[start : start + size]
-            if panels and len(panels[-1]) + len(piece) <= WIDEST:
+            if panels and len(panels[-1]) + len(piece) <= widest:
                 panels[-1] += piece
             else:
                 panels.append(piece)
@@ -148,17 +159,17 @@ def _legend(figure: Any, data: Plain, height: float) -> None:
     columns = 3 if figure.get_figwidth() > 9.0 else 2
     looks = {"ncols": columns, "fontsize": 7.5, "handlelength": 1.2, "columnspacing": 1.2}
     figure.legend(handles=patches, loc="lower left", bbox_to_anchor=(0.005, 0.2 / height), **looks)
-    note = "Number: worst figure over its limit. A dot: the case says nothing about the composition. !: not explained."
+    note = "Number: worst figure over its limit (∞: of zero). Dot: the case says nothing about the composition. !: not explained."
     figure.text(0.012, 0.08 / height, note, fontsize=7, color="#4b5563")
 
 
 def shown(cell: Plain) -> str:
-    """What stands in a cell: the margin in at most four characters, or the letter of the status."""
+    """What stands in a cell: the margin in at most four characters, ∞ beyond a limit of zero, or the letter of the status."""
     letter = {"refused": "R", "waiting": "W"}.get(cell["status"])
     if letter is not None:
         return letter
     if cell["margin"] is None or not math.isfinite(float(cell["margin"])):
-        return "F"
+        return "F" if cell["status"] == "fails" else "∞"
     return ("F " if cell["status"] == "fails" and float(cell["margin"]) < 10.0 else "") + margin(float(cell["margin"]))
 
 

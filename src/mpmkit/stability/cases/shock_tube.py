@@ -14,6 +14,10 @@ from mpmkit.stability.cases._tubes import WAVE, pair, rubber, shock
 
 SPEED, LENGTH = 0.25, 1.0  # each bar, over the wave speed
 J, STRESS, FRONT = shock(SPEED * WAVE)
+LINEAR = 0.5
+"""Behind a front only the linear term damps. It gives a wave the damping ratio LINEAR k h / 2; the shortest that splines carry, k h = 2
+and more, then overshoot by exp(-pi z / sqrt(1 - z^2)) = 16 % of what excites them, and with the default of 0.2 by 53 %. Measured:
+largest stress 6.5 % above the exact one (100 cells, quadratic splines, MUSL), 12 % with the default, 22 % with 0.1."""
 
 
 def measure(composition: Composition, quick: bool) -> list[Figure]:
@@ -25,7 +29,7 @@ def measure(composition: Composition, quick: bool) -> list[Figure]:
     left = {"ends": (-LENGTH, 0.0), "material": rubber(), "v": V}
     right = {"ends": (0.0, LENGTH), "material": rubber(), "v": -V}
     sim = pair(composition, mpm.Grid(-1.5 * LENGTH, 1.5 * LENGTH, h), left, right)
-    sim += ArtificialViscosity(linear=0.5)
+    sim += ArtificialViscosity(linear=LINEAR)
     with tempfile.TemporaryDirectory() as folder:
         sim += mpm.Record(str(Path(folder) / "shock.vtkhdf"), history=1, checkpoint=False)
         run(sim, t)
@@ -50,9 +54,9 @@ CASE = Case(
     failure="Without viscosity the front leaves ringing of its own height behind. As printed in SAND2002-0482, eq 2-1, the viscosity is "
     "the "
     "root of a negative number, and with the sign of a tension it would feed the shock.",
-    criterion="With ArtificialViscosity(linear=0.5), until the shock has gone through 70 % of the bars: its way and the stress behind it "
-    "within 2 % of "
-    "the exact shock, largest stress (3 cells from the contact and more) below 110 %, q : D >= 0 in every step, momentum to rounding.",
+    criterion="With ArtificialViscosity(linear=0.5), which damps the ringing of the grid (the default of 0.2 leaves 12 to 15 % of it), "
+    "until the shock has gone through 70 % of the bars: its way and the stress behind it within 2 % of the exact shock, largest stress "
+    "(3 cells from the contact and more) below 110 %, q : D >= 0 in every step, momentum to rounding.",
     source="Jump conditions for P = (M / 2) (J - 1 / J): (v / c)^2 = (1 - J)^2 (1 + J) / (2 J)",
     dim=1,
     measure=measure,

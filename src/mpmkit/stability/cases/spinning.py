@@ -14,6 +14,10 @@ from mpmkit.stability.cases._tools import cloud, momentum_error, rounding, run
 E, NU, RHO, OMEGA, R, H = 1e6, 0.3, 1000.0, 2.0, 1.0, 0.1
 TURN = 2.0 * np.pi / OMEGA
 DISK = SpinningDisk(omega=OMEGA, R=R, E=E, nu=NU, rho=RHO)
+LOOKS = np.arange(1, 65) / 64
+"""When stress is looked at, in turns: the disk breathes some thirty times in a turn, around the equilibrium that is the mean."""
+CORE = 0.06
+"""Stress goes with the square of the angular velocity: 6 % less where 3 % of the angular momentum may be lost."""
 BAR = mpm.Box((-0.5, -0.1), (0.5, 0.1))
 AROUND = mpm.Grid((-1.5, -1.5), (1.5, 1.5), H)
 
@@ -59,7 +63,7 @@ def disk(composition: Composition, quick: bool) -> list[Figure]:
     sim += mpm.Body.from_arrays(x, V, material, v=spin(x), F=F, size=size, name="disk")
     core = r < 0.5 * R
     exact = float((DISK.stress_r(r[core]) + DISK.stress_theta(r[core])).mean())
-    stress = run(sim, TURN).particles("disk")["stress"][core]
+    mean = np.mean([run(sim, t).particles("disk")["stress"][core, :2].sum(axis=1).mean() for t in TURN * LOOKS])
     history = run(sim, turns * TURN).history if turns > 1.0 else sim.history
     grown = float((sim.particles("disk")["x"] ** 2).sum() / (x**2).sum() - 1.0)
     lost = float(history["angular_z"][-1] / history["angular_z"][0] - 1.0) / turns
@@ -67,7 +71,7 @@ def disk(composition: Composition, quick: bool) -> list[Figure]:
     return [
         Figure("angular momentum lost in a turn", lost, rounding(composition, 1e-9) if exactly else 0.03),
         Figure("momentum / (mass speed)", momentum_error(sim, OMEGA * R), rounding(composition, 1e-12)),
-        Figure("mean stress in the core after a turn / exact - 1", float(stress[:, :2].sum(axis=1).mean()) / exact - 1.0, 0.15),
+        Figure("stress in the core, mean of a turn / exact - 1", float(mean) / exact - 1.0, CORE),
         Figure("growth of the mean square radius", grown, 1.2 * spiral(sim)),
     ]
 
@@ -122,8 +126,9 @@ CASES = (
         failure="Transfers that filter the velocities damp the rotation, lumped masses lose angular momentum that the grid does not "
         "see, and F <- (1 + dt L) F inflates the body by 1 + (w dt)^2 in each step.",
         criterion="R = 1, 20 cells across, E = 1e6, w = 2, stressed as in steady rotation: angular momentum lost in a turn at most 3 %, "
-        "with APIC and splines 1e-9; momentum to 1e-12; mean of sigma_xx + sigma_yy for r < R / 2 within 15 % after a turn; mean square "
-        "radius grows by at most 1.2 times what positions updated by x + dt w x would give, (1 + (w dt)^2)^n - 1.",
+        "with APIC and splines 1e-9; momentum to 1e-12; mean of sigma_xx + sigma_yy for r < R / 2 and over the first turn (the "
+        "disk breathes) within 6 %, since it goes with w^2; mean square radius grows by at most 1.2 times what positions updated by "
+        "x + dt w x would give, (1 + (w dt)^2)^n - 1.",
         source="Timoshenko and Goodier (1970), section 32, mpmkit.exact.SpinningDisk; Jiang, Schroeder and Teran (2017), "
         "doi:10.1016/j.jcp.2017.02.050",
         dim=2,
