@@ -393,7 +393,7 @@ def test_wave_speed_that_is_not_a_number():
     failing(
         stretched(law=Breaking(rho=1.0, faster=float("inf")), integrator=MUSL(dt=0.02)),
         "body 'rod' (Breaking)",
-        "wave speed is not a number",
+        "the wave speed, or the speed of a particle, is infinite or not a number",
     )
 
 

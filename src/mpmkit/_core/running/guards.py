@@ -31,7 +31,7 @@ def _speeds(engine: Engine) -> None:
         return
     body = int(np.argmax(~np.isfinite(engine.outs[:, 0])))
     speed = float(engine.outs[body, 0])
-    what = "the wave speed is not a number" if np.isnan(speed) else "the wave speed, or the speed of a particle, is infinite"
+    what = "the wave speed, or the speed of a particle, is infinite or not a number"  # the loops report both as infinite
     begun = engine.step_number > 0
     fix = "lower cfl, or look at the material's range of validity" if begun else "smaller moduli, a larger rho, or other units"
     raise _failed(engine, body, None, f"{what}, c + |v| = {speed:g} m/s", fix, shorter=begun)
