@@ -138,8 +138,8 @@ class Engine:
         self.m_small = float(np.finfo(self.dtype).eps) ** 2 * particle_mass
         roles = c.roles() | {"grid": c.grid, "m_small": self.m_small} | self._light(min(mean_masses))
         self.node_par = plan.node_parameters.values(roles, self.dtype)
-        # What is a light node of a heavy body may be a full one of a light body: with a field for each body, each has its own measure; in one
-        # field it is that of the lightest, since limiting full nodes of a light body would take a tenth of its energy.
+        # What is a light node of a heavy body may be a full one of a light body: with a field for each body, each has its own measure; in
+        # one field it is that of the lightest, since limiting full nodes of a light body would take a tenth of its energy.
         own = mean_masses if c.contact is not None else []
         self.field_par = [plan.node_parameters.values(roles | self._light(m), self.dtype) for m in own] or [self.node_par]
         self.body_par = [
