@@ -108,7 +108,8 @@ def around(side: int, rounds: int, count: int) -> list[dict[str, Any]]:
     for name, record in AROUND.items():
         options = record or {}
         # a row of the history is one more loop that reads all fields; a frame reads and writes its fields, a checkpoint all of them
-        frame = sum(sizes[f] for f in options.get("fields", ("x", "v", "stress"))) if record is not None else 0
+        # (stresses that no field keeps are six numbers, too)
+        frame = sum(sizes.get(f, 6) for f in options.get("fields", ("x", "v", "stress"))) if record is not None else 0
         kept = sum(sizes.values()) if record is not None and options.get("checkpoint", True) else 0
         read = sum(sizes.values()) / options.get("history", 10)
         more = 8 * (read + 2 * (frame + kept) / count)
