@@ -71,6 +71,26 @@ class ContactPairs:
 
         return apply
 
+    def warm_up(self) -> None:
+        """Call every function of contact with no nodes and no blocks: nothing is left to compile when bodies first meet."""
+        e, m, zero = self.engine, self.engine.module, self.engine.dtype(0.0)
+        materials = {(e.stores[pair.a].group.name, e.stores[pair.b].group.name): pair for pair in self.pairs}
+        for pair in materials.values():
+            A, B, margin = e.fields[pair.a], e.fields[pair.b], e.dtype(1e-3 * e.c.grid.h)
+            shared = (pair.normals, pair.reach_a, pair.reach_b)
+            m.find_shared(A.G, B.G, pair.both[:0], pair.found, e.node_par)
+            m.mark_shared(pair.found, 0, *self._marks(pair))
+            m.contact_normals(A.G, B.G, pair.found, 0, *shared)
+            for body, reach in ((pair.a, pair.reach_a), (pair.b, pair.reach_b)):
+                m.near_shared(e.places.blocks[body].home, 0, 3**e.c.dim, self.touched[body], self.near[body])
+                self.near_any[body][:] = 0
+                over_particles(e, body, "outward", e.places.acc[body], self.near_any[body])(zero, zero)
+                self._reach(body, 0, pair, reach, 1.0, zero, zero)
+            m.choose_normals(0, *shared, margin)
+            m.clear_shared(pair.found, 0, *self._marks(pair))
+            for channel in (p.channel for p in e.plan.schedule.phases if p.kind == "contact"):
+                getattr(m, f"contact_{channel}")(A.G, B.G, pair.found, 0, *shared, pair.press, where(e, A), e.node_par, e.work, zero, zero)
+
     def _find(self, outward: list[Step], t: Any, dt: Any) -> None:
         """Shared nodes of all pairs; then, near them only, the gradients of the bodies' volumes, normals and gaps."""
         e, m = self.engine, self.engine.module
@@ -103,6 +123,12 @@ class ContactPairs:
         blocks = self.engine.places.blocks[body]
         self.engine.module.near_shared(blocks.home, blocks.count, 3**self.engine.c.dim, self.touched[body], near)
 
+    def _reach(self, body: int, blocks: int, pair: Pair, reach: Any, side: float, t: Any, dt: Any) -> None:
+        e = self.engine
+        lists = (self.near[body], self.slot[body], pair.normals, reach, e.dtype(side), self.place)
+        function, arguments = getattr(e.module, f"reach_{e.stores[body].group.name}"), e.particle_arguments(body, e.places.acc[body])
+        function(0, blocks, *arguments, *lists, e.scratch[0][0], e.scratch[0][2], t, dt)
+
     def _normals(self, pair: Pair, t: Any, dt: Any) -> None:
         e, m, a, b, count = self.engine, self.engine.module, pair.a, pair.b, pair.count
         m.contact_normals(e.fields[a].G, e.fields[b].G, pair.found, count, pair.normals, pair.reach_a, pair.reach_b)
@@ -111,9 +137,7 @@ class ContactPairs:
             blocks, near = e.places.blocks[body], self.near[body]
             near[:] = 0
             self._mark_near(body, near)
-            function = getattr(m, f"reach_{e.stores[body].group.name}")
-            lists = (near, self.slot[body], pair.normals, reach, e.dtype(side), self.place)
-            function(0, blocks.count, *e.particle_arguments(body, e.places.acc[body]), *lists, e.scratch[0][0], e.scratch[0][2], t, dt)
+            self._reach(body, blocks.count, pair, reach, side, t, dt)
         m.choose_normals(count, pair.normals, pair.reach_a, pair.reach_b, e.dtype(1e-3 * e.c.grid.h))
         m.clear_shared(pair.found, count, *self._marks(pair))
         if not np.isfinite(pair.normals[:count]).all():

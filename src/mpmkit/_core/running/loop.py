@@ -192,6 +192,11 @@ class Run:
         with snapshot.unchanged(engine):
             engine.step(short)
             engine.ledger()
+            if engine.contact is not None:
+                engine.contact.warm_up()
+            for store in engine.stores:
+                for name in store.layout.derived:  # frames ask for them
+                    store.tiles_of(name, 0, 0)
         engine.clocks.clear()
         engine.flags[:] = False
 
