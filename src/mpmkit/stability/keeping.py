@@ -15,7 +15,7 @@ from mpmkit.stability.case import Case, Composition, Verdict
 from mpmkit.stability.suite import verdict_data, verdict_of
 
 FILE = "stability.jsonl"
-ASIDE = ("cli", "stability")
+ASIDE = ("cli", "stability", "studies")
 """Folders of mpmkit that have no part in a run; of the suite itself the files that judge count."""
 
 
