@@ -16,18 +16,18 @@ from click.testing import CliRunner
 from mpmkit.cli.app import group
 from mpmkit.stability.cases import cases
 
-AFFINE = [f"QuadraticBSpline · {integrator}/{transfer}" for integrator in ("MUSL", "USF", "USL") for transfer in ("APIC", "MLS", "TPIC")]
+AFFINE = ("APIC", "MLS", "TPIC")
 OPEN = {
-    "a particle with an affine part near a wall: its gradient has no bound as it comes to lie on the face, and it is thrown out again; no "
-    "Courant number helps": {
-        "thin-wall": AFFINE,
-        "on-a-face": AFFINE,
-    },
-    "stresses taken before the momentum make energy in particles that are pressed into a corner, a rounding error from the faces": {
+    "stresses taken before the momentum: a wall that lets go before the particles do leaves their strain behind, and the stress pushes without "
+    "being relieved": {
         "on-a-face": [
             *(f"QuadraticBSpline · USF/{transfer}" for transfer in ("FLIP", "PIC", "XPIC")),
             *(f"{shape} · USF/FLIP" for shape in ("ContiguousGIMP", "CubicBSpline", "GIMP", "Linear")),
         ],
+        "thin-wall": [f"QuadraticBSpline · USF/{transfer}" for transfer in AFFINE],
+    },
+    "rounding, divided by the second moment of the weights, which vanishes on a face; the gradient of MLS has it too": {
+        "on-a-face": [f"QuadraticBSpline · {integrator}/MLS" for integrator in ("MUSL", "USF")],
     },
     "1.0 to 1.1 % of energy gained at 80 % of the limit, where 1 % is allowed; MUSL loses as much": {
         case: [f"{shape} · USF/FLIP" for shape in ("QuadraticBSpline", "CubicBSpline")]
@@ -42,12 +42,8 @@ OPEN = {
     "30 % made": {
         "vibrating-bar": ["QuadraticBSpline · USF/XPIC"],
     },
-    "USL measures light nodes in the mean particle mass of all bodies in a field, so that all nodes of the light bar are light": {
-        "density-jump": [f"{shape} · USL/FLIP" for shape in ("QuadraticBSpline", "ContiguousGIMP", "GIMP", "Linear")],
-    },
-    "particles that follow the diagonal of F have no size after a quarter turn": {
-        case: [f"ContiguousGIMP · {integrator}/FLIP" for integrator in ("MUSL", "USF", "USL")]
-        for case in ("spinning-disk", "spinning-bar", "turned-by-the-grid")
+    "boxes with the second moments of the particles overlap and leave gaps while an oblong one turns, 4 % beyond the limit": {
+        "spinning-bar": ["ContiguousGIMP · USF/FLIP"],
     },
 }
 """What no theory explains yet, by its cause: faults to be mended."""
