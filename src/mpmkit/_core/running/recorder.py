@@ -259,7 +259,7 @@ def fixed(stores: Any, with_size: bool) -> dict[str, Any]:
 def _sizes(store: BodyStore) -> Any:
     """Half edges of a body's particles at the start, float32[n, 3]; equal ones take no memory."""
     size = store.points.size if store.kept is None else store.points.size[store.kept]
-    equal = not size.strides[0]
+    equal = len(size) > 0 and not size.strides[0]
     three = np.zeros((1 if equal else len(size), 3), np.float32)
     three[:, : size.shape[1]] = size[:1] if equal else size
     return np.broadcast_to(three, (len(size), 3))
