@@ -6,7 +6,7 @@ A rule names the figures that its reason accounts for, and how large they may be
 from __future__ import annotations
 
 from mpmkit.stability import facts
-from mpmkit.stability.reasons import AFFINE, ARMS, CROSSING, FILTER, FILTERED, HELD, PASSES, RIM, SEEN_BY_THE_GRID, UNMAPPED
+from mpmkit.stability.reasons import AFFINE, ARMS, CROSSING, FILTER, FILTERED, HELD, PASSES, RIM, SEEN_BY_THE_GRID, UNLOADING, UNMAPPED
 from mpmkit.stability.rule import Expected
 
 MEETING = {"energy loss with the grid offset": 0.05, "energy loss at 10, -7": 0.15}
@@ -44,7 +44,7 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     Expected(cases=("shock",), when=facts.filters, reason=FILTER, remedy=FILTERED, figures={"stress behind": 0.04, "way": 0.04}),
     Expected(
-        cases=("crushed", "rank-one-collapse", "stiffening"),
+        cases=("crushed", "rank-one-collapse"),
         when=facts.filters,
         reason=FILTER,
         remedy=FILTERED,
@@ -59,7 +59,7 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     # XPIC
     Expected(
-        cases=("crushed", "rank-one-collapse", "stiffening"),
+        cases=("crushed", "rank-one-collapse"),
         when=facts.filters_in_passes,
         reason=PASSES,
         remedy="FLIP, or APIC",
@@ -81,13 +81,50 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     # APIC, MLS, TPIC
     Expected(
-        cases=("crushed", "rank-one-collapse", "stiffening"),
+        cases=("crushed", "rank-one-collapse"),
         when=facts.carries_affine,
-        reason=AFFINE
-        + " (crushed: 9 and 7 % with 40 and 80 particles on a side; let go at J = 3: 11, 8, 7 % with 20, 40, 80 cells, of which the shock "
-        "takes 8)",
+        reason=AFFINE + " (crushed: 9 and 7 % with 40 and 80 particles on a side)",
         remedy="FLIP, or more cells",
         figures={"energy lost": 0.2},
+    ),
+    # all that damp ringing
+    Expected(
+        cases=("stiffening",),
+        when=facts.filters,
+        reason=FILTER + UNLOADING,
+        remedy=FILTERED,
+        figures={"energy lost": 1.0},
+    ),
+    Expected(
+        cases=("stiffening",),
+        when=facts.filters_in_passes,
+        reason=PASSES + UNLOADING,
+        remedy="FLIP, or APIC",
+        figures={"energy lost": 0.3},
+    ),
+    Expected(
+        cases=("stiffening",),
+        when=facts.carries_affine,
+        reason=AFFINE + UNLOADING + " (let go at J = 3: 11, 8, 7 % with 20, 40, 80 cells)",
+        remedy="FLIP, or more cells",
+        figures={"energy lost": 0.2},
+    ),
+    Expected(
+        cases=("stiffening",),
+        when=lambda c: facts.strains_unmapped(c) and facts.keeps_velocities(c),
+        reason=UNMAPPED + UNLOADING,
+        remedy="MUSL, or a smaller cfl",
+        figures={"energy lost": 0.1},
+    ),
+    # USF
+    Expected(
+        cases=("crushed", "rank-one-collapse"),
+        when=lambda c: facts.strains_first(c.integrator),
+        reason="stresses of the end of a step do work on velocities of its beginning: half a step ahead of the trapezoidal rule, which "
+        "gives back up to half a step over the time in which the energy is set free (2.2 % at a Courant number of 0.1) too much",
+        remedy="MUSL, or a smaller cfl",
+        always=False,
+        figures={"energy gained": 0.022},
     ),
     # USL
     Expected(

@@ -58,6 +58,29 @@ ARMS = (
     "disk's in a step: all of it in a turn of 3000 steps, and with it the centrifugal stress"
 )
 
+UNLOADING = (
+    "; the law is concave, so unloading from J = 3 is a shock, across which the jump conditions take 8.1 % of the energy (`unloaded`): "
+    "what damps ringing loses that much, what keeps the energy has it as ringing"
+)
+
+
+def unloaded(J: float, t: float) -> float:
+    """Share of its energy that a bar with P = (M / 2) (J - 1 / J) loses to the shock of its unloading from J to 1.
+
+    The shock runs at rho U^2 = P / (J - 1). Of the strain energy W it meets, what is above P (J - 1) / 2 becomes neither motion nor
+    strain, by the jump conditions of mass, momentum and energy.
+
+    Parameters
+    ----------
+    J : float
+        Stretch at the start.
+    t : float
+        Time, over the length of the stretched bar divided by (M / rho)^(1/2).
+    """
+    P, W = 0.5 * (J - 1.0 / J), 0.5 * (0.5 * (J * J - 1.0) - math.log(J))  # over M
+    way = t * J * math.sqrt(P / (J - 1.0))  # of the shock, over the length of the bar at rest
+    return (1.0 - 0.5 * P * (J - 1.0) / W) * min(1.0, way)
+
 
 def lost(rule: str, kh: float, courant: float, steps: int) -> float:
     """Share of the energy that a standing wave loses in so many steps; half of it is motion, half strain.
