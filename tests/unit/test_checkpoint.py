@@ -76,8 +76,8 @@ def test_damage_is_named_with_a_way_out(tmp_path):
     path.write_bytes(b"hello")
     with pytest.raises(ResultsError, match="is not a checkpoint of mpmkit"):
         load(path)
-    path.write_bytes(good.replace(b"format 2", b"format 9", 1))
-    with pytest.raises(ResultsError, match="in checkpoint format 9, this mpmkit reads format 2"):
+    path.write_bytes(good.replace(b"format 3", b"format 9", 1))
+    with pytest.raises(ResultsError, match="in checkpoint format 9, this mpmkit reads format 3"):
         load(path)
     previous(path).unlink()
     path.write_bytes(good[:-1])

@@ -1,5 +1,7 @@
 """The order of a step: strain updates, the protection of USL, consistent mass, time steps that land."""
 
+import math
+
 import numpy as np
 import pytest
 from small_scenes import EPS, bar, components, example, grid, run, simulation
@@ -199,16 +201,19 @@ def test_consistent_mass_in_two_dimensions():
 
 
 # --- time steps ---------------------------------------------------------------------------------------------------
-def test_steps_land_on_their_target_without_a_tiny_one():
+@pytest.mark.parametrize("fixed", [True, False])
+def test_steps_land_on_their_target_without_a_tiny_one(fixed):
     for dt in (0.1, 0.3, 0.0999999, 0.33, 0.7):
         t, lengths = 0.0, []
         while t < 1.0:
-            step, arrived = land(t, dt, 1.0)
+            step, arrived = land(t, dt, 1.0, fixed=fixed)
             lengths.append(step)
             t = 1.0 if arrived else t + step
             assert arrived or t < 1.0
         assert abs(sum(lengths) - 1.0) < 1e-12
         assert max(lengths) <= dt * (1.0 + 1e-9) and min(lengths) > 0.45 * min(dt, 1.0)
+        assert lengths[0] == dt if fixed else max(lengths) - min(lengths) < 1e-12  # rounding: sums of t
+        assert len(lengths) == math.ceil(1.0 / dt * (1.0 - 1e-9))
 
 
 def test_time_step_is_that_of_the_fastest_body():

@@ -159,6 +159,7 @@ def test_kill_in_mid_run_and_resume(tmp_path):
         (MUSL(XPIC(3)), QuadraticBSpline(), [Gravity((-0.1,))]),
         (USF(PIC()), ContiguousGIMP(), [BodyForce("0.1*sin(20*t)")]),
         (USL(APIC()), Linear(), [Wall("xmin")]),
+        (USF(), Linear(), [Wall("xmin"), Gravity((-0.5,))]),  # which nodes a wall holds is known from the step before
         (MUSL(mass="consistent"), Linear(), [TwoPointTraction("bar", (0.05,), "xmax")]),
         (None, None, [Gravity((-0.1,)), Wall("xmin", condition="no slip")]),
     ],

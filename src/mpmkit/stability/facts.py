@@ -49,6 +49,12 @@ def carries_affine(c: Composition) -> bool:
     return transfer is not None and transfer.affine != "none" and "v" not in transfer.velocity.arguments
 
 
+def gradient_by_moments(c: Composition) -> bool:
+    """Gradients are those of a least-squares fit, first moments over the second moment of the weights (MLS)."""
+    transfer = _transfer(c)
+    return transfer is not None and transfer.gradient == "moment"
+
+
 def keeps_velocities(c: Composition) -> bool:
     """The particle keeps its velocity and adds the change of the grid's (FLIP)."""
     transfer = _transfer(c)

@@ -73,6 +73,28 @@ EXPECTED: tuple[Expected, ...] = (
         figures={"angular momentum": 1.2, "stress in the core": 1.2},
     ),
     Expected(
+        cases=("vibrating-bar",),
+        when=facts.filters_in_passes,
+        reason=PASSES + "; two passes take 1 - exp(-n (k h)^4 / 16) of the energy of the first mode in n steps: of 13 cells 3.4 % in five "
+        "periods at a Courant number of 0.1, and half in a hundred; of 26 cells an eighth as much in the exponent",
+        remedy="FLIP, APIC, more cells, or larger steps",
+        figures={
+            "change of the energy, 13": 0.55,
+            "change of the energy, 26": 0.12,
+            "amplitude lost, 13": 0.33,
+            "amplitude lost, 26": 0.06,
+        },
+    ),
+    Expected(
+        cases=("stiff-on-soft",),
+        when=facts.filters_in_passes,
+        reason=PASSES + "; the stiff bar sets the step: after 4000 steps waves of k h > (16 / 4000)^(1/4) = 0.25 are gone and the front in "
+        "the soft bar is 2 / k, 8 of 50 cells, wide, half of it too early",
+        remedy="FLIP, APIC, or more cells",
+        always=False,
+        figures={"momentum of the stiff bar": 0.08},
+    ),
+    Expected(
         cases=("thin-body",),
         when=lambda c: facts.filters(c) or facts.filters_in_passes(c),
         reason=HELD,
@@ -86,6 +108,16 @@ EXPECTED: tuple[Expected, ...] = (
         reason=AFFINE + " (crushed: 9 and 7 % with 40 and 80 particles on a side)",
         remedy="FLIP, or more cells",
         figures={"energy lost": 0.2},
+    ),
+    Expected(
+        cases=("on-a-face",),
+        when=facts.gradient_by_moments,
+        reason="gradients by moments, sum v_i N_i (x_i - x_p) / D, divide what rounding leaves of a difference, eps |v| h, by D h^2, and on "
+        "a face D is as small as the distance from it, which is kept at eps^(1/2) = 1.5e-8: strains of eps^(1/2) times the way in cells at "
+        "most, 6e-8 in these four",
+        remedy="APIC, whose gradients are those of the shape functions, where strains of 1e-7 matter",
+        always=False,
+        figures={"distance from the face": 6e-8, "stress / modulus": 6e-8},
     ),
     # all that damp ringing
     Expected(
@@ -234,14 +266,6 @@ EXPECTED: tuple[Expected, ...] = (
         "across, 0.31 with 40)",
         remedy="a spline or GIMP",
         figures={"stress in the core": 0.6, "growth": 0.04},
-    ),
-    Expected(
-        cases=("spinning-bar",),
-        when=facts.slopes_jump,
-        reason=CROSSING + "; the volume is off by some 0.1 %, up or down (-0.9e-3 and 2.3e-3 at Courant numbers of 0.4 and 0.1)",
-        remedy="a spline or GIMP",
-        always=False,
-        figures={"mean J - 1": 0.004},
     ),
     Expected(
         cases=("stiffening",),

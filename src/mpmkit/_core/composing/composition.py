@@ -81,6 +81,20 @@ class Composition:
         return stretched and self.verbs.index("strain") < self.verbs.index("advect")
 
     @property
+    def strains_first(self) -> bool:
+        """Strains and stresses come before the momentum update (USF)."""
+        return {"strain", "momentum"} <= set(self.verbs) and self.verbs.index("strain") < self.verbs.index("momentum")
+
+    def remembers(self, layer: BoundaryLayer) -> bool:
+        """The layer keeps, from step to step, which nodes it holds.
+
+        Where strains come before the forces of the step are known, only the step before can tell whether a wall holds a node.
+        Were it told by the velocity alone, a wall would let go as soon as the body turns back: its stress would push and not be
+        relieved, and energy would be made in every bounce.
+        """
+        return layer.hold is not None and self.strains_first and not self.stored_operator
+
+    @property
     def loaded(self) -> bool:
         """Some layer of particles carries loads."""
         return any(layer.load is not None for layer in self.layers.values())

@@ -13,8 +13,8 @@ from mpmkit._core.composing.sweep import IMPULSE, Sweep, assign, needs_of, node,
 def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> str:
     """One boundary layer on its list of nodes: constrain (and rub) the velocities of `channel`.
 
-    Work and impulses are accounted for on ``v`` and ``v_old``, impulses also on ``v_smooth``; ``v_map``, which only the strain sees, has no
-    account.
+    Work and impulses are accounted for on ``v`` and ``v_old``, impulses also on the filtered ``u`` and ``v_smooth``; ``v_map``, which only
+    the strain sees, has no account. ``held`` is what the layer remembers of its nodes (`Composition.remembers`).
     """
     c, layout, dim = sweep.composition, sweep.layout, sweep.dim
     layer = c.layers[role]
@@ -23,6 +23,7 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
     lines = ["i = nodes[j]", f"k = i * {layout.size}", f"m = {node(layout, 'm')}", f"if m > {small}:"]
     special = {"normal": "(normals[j, 0], normals[j, 1], normals[j, 2])"}
     inner = []
+    remembers, filtered = c.remembers(layer) and channel in ("v", "v_old"), channel in ("u", "v_smooth")
     hooks = [kernel for kernel in (layer.constrain, layer.hold, layer.rub) if kernel is not None]
     accelerations = [effect for effect in c.effects.values() if effect.acceleration is not None and channel == "v"]
     if any("x" in needs_of(layer, k, dim) for k in hooks) or any("x" in needs_of(e, e.acceleration, dim) for e in accelerations):
@@ -37,12 +38,11 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         assert layer.hold is not None
         return sweep.call("hold", layer.hold, role, None, special | {"v": source})
 
-    def rubbed(before: str) -> list[str]:
-        """Friction on ``new``, by the normal impulse that the particles feel."""
+    def rubbed(before: str, pressed: list[str]) -> list[str]:
+        """Friction on ``new``, by the change of velocity with which the layer presses on the particles."""
         if layer.rub is None:
             return []
-        # with FLIP, what the condition took from v_old presses on nothing
-        text = ["n = " + special["normal"], "dv_n = -(" + " + ".join(f"reaction{a} * n[{a}]" for a in range(dim)) + ") / m"]
+        text = ["n = " + special["normal"], "dv_n = -(" + " + ".join(f"({pressed[a]}) * n[{a}]" for a in range(dim)) + ")"]
         text.append(f"rubbed = {sweep.call('rub', layer.rub, role, None, special | {'v': 'new', 'dv_n': 'dv_n'})}")
         text += [f"drag{a} = m * (rubbed[{a}] - new[{a}])" for a in range(dim)]
         # The slip is that of the particles around the node, not the node's own, which may creep while they rest.
@@ -81,6 +81,8 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         else:
             inner += ["old = raw"]
         inner += [f"trial = {vector(layout, 'v', dim)}", f"new = {constrained('trial')}"]
+        if remembers:
+            inner.append("held[j] = new != trial")
         if layer.hold is not None:
             # Decided once, by the trial velocity: a wall that stops a node after letting it go before would do work on it.
             inner += [
@@ -93,27 +95,34 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
         share = sweep.parameter("flip_share", lambda roles: flip_share(roles.get("transfer")))
         inner += [f"reaction{a} = m * (new[{a}] - trial[{a}] - {share} * (old[{a}] - raw[{a}]))" for a in range(dim)]
         inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + old[{a}])" for a in range(dim)))
-        inner += rubbed("old")
+        # with FLIP, what the condition took from v_old presses on nothing; with XPIC most of it comes back in the filter
+        press = sweep.parameter("press_share", lambda roles: press_share(roles.get("transfer"))) if layer.rub is not None else ""
+        inner += rubbed("old", [f"new[{a}] - trial[{a}] - {press} * (old[{a}] - raw[{a}])" for a in range(dim)])
         inner += work_taken_back({"raw": "old", "trial": "new"})
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v", dim, "new")
     elif channel == "v_old":
         # Before the strain. The particles feel it as far as their new velocities contain the old ones of the grid.
-        inner += [f"raw = {vector(layout, 'v_old', dim)}", f"new = {constrained('raw')}"]
-        if layer.hold is not None:
-            inner += ["if new != raw:", f"    new = {held('raw')}"]
+        inner.append(f"raw = {vector(layout, 'v_old', dim)}")
+        if remembers:
+            inner += ["new = raw", "if held[j]:", f"    new = {held('raw')}"]
+        else:
+            inner.append(f"new = {constrained('raw')}")
         felt = sweep.parameter("grid_share", lambda roles: grid_share(roles.get("transfer")))
         inner += [f"reaction{a} = {felt} * m * (new[{a}] - raw[{a}])" for a in range(dim)]
-        inner.append("boundary += " + " + ".join(f"reaction{a} * (new[{a}] + raw[{a}])" for a in range(dim)))
-        inner += rubbed("raw")
+        # A layer does work with the velocity it prescribes; what the particles' mean loses beside that is lost by the transfer.
+        inner.append("boundary += T(2) * (" + " + ".join(f"reaction{a} * new[{a}]" for a in range(dim)) + ")")
+        inner += rubbed("raw", [f"{felt} * (new[{a}] - raw[{a}])" for a in range(dim)])
         inner += [f"impulse{a} += reaction{a}" for a in range(dim)]
         inner += assign(layout, "v_old", dim, "new")
     else:
-        inner.append(f"new = {constrained(vector(layout, channel, dim))}")
+        given = vector(layout, channel, dim)
+        # what is filtered is the velocity before the update, which a layer that has let go does not touch
+        inner.append(f"new = {given if filtered and layer.hold is not None else constrained(given)}")
         if layer.hold is not None:
-            inner += [f"now = {vector(layout, 'v', dim)}", f"if {held('now')} == now:", f"    new = {held(vector(layout, channel, dim))}"]
-        if channel == "v_smooth":
-            inner += [f"impulse{a} += m * (new[{a}] - {node(layout, channel, a)})" for a in range(dim)]
+            inner += [f"now = {vector(layout, 'v', dim)}", f"if {held('now')} == now:", f"    new = {held(given)}"]
+        if filtered:
+            inner += [f"impulse{a} += weight * m * (new[{a}] - {node(layout, channel, a)})" for a in range(dim)]
         inner += assign(layout, channel, dim, "new")
     lines += [f"    {line}" for line in inner]
     account = channel in ("v", "v_old")
@@ -122,11 +131,12 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
     if accelerations:
         header.append("external, effects = 0.0, 0.0")
         tail += ["work[0] += 0.5 * external", "work[1] += 0.5 * effects"]
-    if account or channel == "v_smooth":
+    if account or filtered:
         header += [f"impulse{a} = 0.0" for a in range(dim)]
         tail += [f"work[{IMPULSE + a}] += impulse{a}" for a in range(dim)]
     doc = f"Nodes: {layer.summary()} ({channel})"
-    return sweep.over_list(name, doc.replace('"', "'"), "G, nodes, normals", [*header, "for j in range(nodes.size):"], lines, tail)
+    arguments = "G, nodes, normals" + ", held" * remembers + ", weight" * filtered
+    return sweep.over_list(name, doc.replace('"', "'"), arguments, [*header, "for j in range(nodes.size):"], lines, tail)
 
 
 def grid_share(transfer: object) -> float:
@@ -135,10 +145,15 @@ def grid_share(transfer: object) -> float:
 
 
 def flip_share(transfer: object) -> float:
-    """How much of the particle velocity comes from the change of the grid velocity (1 for FLIP and XPIC, 0 for PIC and APIC)."""
+    """How much of the velocity of the grid before the update the particle velocity does not contain (1 for FLIP, 0 for PIC, APIC, XPIC)."""
     if transfer is None:
         return 0.0
-    return 1.0 - _response(transfer, {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 0.0})
+    return -_response(transfer, {"v": 0.0, "v_grid": 0.0, "dv_grid": -1.0, "v_smooth": 1.0})
+
+
+def press_share(transfer: object) -> float:
+    """How much of the particle velocity comes from the change of the grid velocity (1 for FLIP and XPIC, 0 for PIC and APIC)."""
+    return 1.0 - _response(transfer, {"v": 0.0, "v_grid": 1.0, "dv_grid": 0.0, "v_smooth": 0.0}) if transfer is not None else 0.0
 
 
 def _response(transfer: Any, given: dict[str, float]) -> float:

@@ -12,7 +12,7 @@ from mpmkit import tensor
 from mpmkit._core.composing import conditions, meeting, sweeps
 from mpmkit._core.composing.composition import Composition, Group
 from mpmkit._core.composing.layout import NodeLayout
-from mpmkit._core.composing.pieces import PIECES, second_moments
+from mpmkit._core.composing.pieces import PIECES, motion, second_moments
 from mpmkit._core.composing.schedule import Phase, Schedule
 from mpmkit._core.composing.sorting import sort_functions
 from mpmkit._core.composing.source import Names, Parameters, ParticleLoop
@@ -162,6 +162,9 @@ def _initial(loop: ParticleLoop) -> str:
     loop.line("L = (zero, zero, zero, zero, zero, zero, zero, zero, zero)")
     loop.have.add("L")
     PIECES["stress"](loop, "compute", {})
+    if loop.composition.strains_first:
+        loop.line(f"motion = {motion(loop)}")
+        loop.maximum("motion", "motion")
     return "Initial stress and wave speed"
 
 

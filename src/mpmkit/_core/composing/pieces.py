@@ -251,6 +251,21 @@ def advect(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         kept.append(f"min(max(x[{a}], {low}), {high}) if room{a} >= -{slack} else x[{a}]")
     loop.line(f"x = ({', '.join(kept + ['zero'] * (3 - dim))})")
     loop.store("x")
+    if loop.composition.strains_first:
+        loop.line(f"motion = {motion(loop)}")
+        loop.maximum("motion", "motion")
+
+
+def motion(loop: ParticleLoop) -> str:
+    """The largest speed that a particle gives to nodes: |v|, with affine transfers |v| + |C| h, since they get v + C (x_i - x_p)."""
+    v = loop.field("v")
+    squares = " + ".join(f"{v}[{a}] * {v}[{a}]" for a in range(loop.dim))
+    fastest = f"sqrt({squares})"
+    if "C" in loop.group.layout.fields:
+        C = loop.field("C")
+        edges = [f"({C}[{3 * a + b}] * {loop.along('h', b)})" for a in range(loop.dim) for b in range(loop.dim)]
+        fastest += f" + sqrt({' + '.join(f'{one} * {one}' for one in edges)})"
+    return fastest
 
 
 def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
@@ -275,7 +290,7 @@ def strain(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
     kind = getattr(c.integrator, "strain", "exponential").replace("-", "_")
     if kind == "centred":
         # L of a recipe that strains first belongs to the displacement that has led to x, of others to that which follows
-        way = "-dt" if "momentum" in c.verbs and c.verbs.index("strain") < c.verbs.index("momentum") else "dt"
+        way = "-dt" if c.strains_first else "dt"
         loop.line(f"L = {loop.names.of('centred', _tensor('centred'))}(L, {way})")
         kind = "midpoint"
     if c.reference:
@@ -327,13 +342,8 @@ def stress(loop: ParticleLoop, part: str, channel: dict[str, str]) -> None:
         if effect.signal_speed is not None:
             loop.line(f"signal = {loop.call('signal_speed', effect.signal_speed, role, group, {'c': speed})}")
             speed = "signal"
-    v = loop.field("v")
-    squares = " + ".join(f"{v}[{a}] * {v}[{a}]" for a in range(loop.dim))
-    fastest = f"{speed} + sqrt({squares})"
-    if "C" in loop.group.layout.fields:  # nodes a cell away get v + C (x_i - x_p)
-        C = loop.field("C")
-        edges = [f"({C}[{3 * a + b}] * {loop.along('h', b)})" for a in range(loop.dim) for b in range(loop.dim)]
-        fastest += f" + sqrt({' + '.join(f'{one} * {one}' for one in edges)})"
+    # strains first: velocities are those of before the update; `advect` has those of after it
+    fastest = speed if c.strains_first else f"{speed} + {motion(loop)}"
     loop.line(f"signal_speed = {fastest}")
     loop.maximum("speed", "signal_speed")
     if "diffusivity" in group.hooks:

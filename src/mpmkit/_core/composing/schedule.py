@@ -62,7 +62,7 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
     """Walk through the verbs of a recipe."""
     out = Schedule()
     pending: list[str] = []
-    channel = "v_old"
+    channel, unfiltered = "v_old", False
     loaded = {role: layer for role, layer in c.layers.items() if layer.load is not None}
     noded = {role: layer for role, layer in c.layers.items() if layer.constrain is not None}
 
@@ -79,6 +79,10 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
 
     for verb in verbs:
         if verb in PARTICLE_VERBS:
+            if verb == "g2p" and unfiltered:
+                flush()
+                out.phases += _passes(c, list(noded))
+                unfiltered = False
             if verb == "g2p" and c.softens:
                 flush()
                 nodes("soft_velocity", channel="v_soft", who=(_name(c.transfer), _name(c.shape)))
@@ -114,12 +118,7 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
                 # nodes of stored operators get their velocities once, from the particles; then they carry them
                 name = "start_momentum" if c.stored_operator and not out.has_velocity else "momentum"
                 nodes(name, who=(_name(c.integrator or c.discretization), *movers))
-            passes = c.transfer.passes if c.transfer is not None else 1
-            if passes > 1:
-                nodes("filter_start", number=float(passes), who=(_name(c.transfer),))
-                for r in range(2, passes + 1):
-                    out.phases.append(Phase("particles", "filter", ("filter",), who=(_name(c.transfer),)))
-                    nodes("filter_add", number=float((-1) ** (r + 1) * comb(passes, r)), who=(_name(c.transfer),))
+            unfiltered = c.transfer is not None and c.transfer.passes > 1
             channel = "v"
         elif verb == "contact":
             if c.contact is not None:
@@ -127,13 +126,31 @@ def schedule(c: Composition, verbs: list[str]) -> Schedule:
         elif verb == "boundary":
             for role in noded:
                 out.phases.append(Phase("boundary", f"{role}_{channel}", role=role, channel=channel, who=(role,)))
-                if channel == "v" and c.transfer is not None and c.transfer.passes > 1:
-                    out.phases.append(Phase("boundary", f"{role}_v_smooth", role=role, channel="v_smooth", who=(role,)))
         else:
             raise CompositionError(f"the recipe of {_name(c.integrator)} has an unknown verb {verb!r}")
     flush()
     out.cycle = _ends(c, out.phases) if out.phases else None
     return out
+
+
+def _passes(c: Composition, layers: list[str]) -> list[Phase]:
+    """v_smooth = sum_r (-1)^(r+1) binom(m, r) (S+ S)^(r-1) v_old, the filtered velocity of XPIC(m).
+
+    Layers act on what comes out of every pass, so that a body at a plane of symmetry is filtered as one half of a whole; ``number`` of
+    such a phase is the share of it in v_smooth, and that is the sum of the weights of the passes still to come.
+    """
+    m, who = c.transfer.passes, (_name(c.transfer),)
+    weights = [float((-1) ** (r + 1) * comb(m, r)) for r in range(1, m + 1)]
+
+    def constrain(channel: str, number: float) -> list[Phase]:
+        return [Phase("boundary", f"{role}_{channel}", role=role, channel=channel, number=number, who=(role,)) for role in layers]
+
+    phases = [Phase("nodes", "filter_start", number=weights[0], who=who)]
+    for r in range(1, m):
+        phases.append(Phase("particles", "filter", ("filter",), who=who))
+        phases.append(Phase("nodes", "filter_add", number=weights[r], who=who))
+        phases += constrain("u", sum(weights[r + 1 :])) if r + 1 < m else []
+    return phases + constrain("v_smooth", 1.0)
 
 
 def _name(component: object) -> str:

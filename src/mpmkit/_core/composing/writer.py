@@ -13,7 +13,7 @@ from mpmkit._core.composing.layout import LANES, NodeLayout, lane
 from mpmkit._core.composing.pieces import PIECES
 from mpmkit._core.composing.source import ParticleLoop
 
-ACCOUNTS = ("speed", "diffusion", "moved", "inverted", "inside", "stretched", "viscous", "external")
+ACCOUNTS = ("speed", "diffusion", "moved", "inverted", "inside", "stretched", "viscous", "external", "motion")
 """Columns of the accounts of a block of particles, see `ParticleLoop.maximum`, `total` and `watch`."""
 
 LINE = {"float64": 8, "float32": 16}  # numbers in a cache line

@@ -11,6 +11,7 @@ from mpmkit._core.composing.schedule import Phase
 
 if TYPE_CHECKING:
     from mpmkit._core.running.engine import Engine
+    from mpmkit._core.running.held import Held
 
 Step = Callable[[Any, Any], None]
 
@@ -106,15 +107,20 @@ def boundary(e: Engine, phase: Phase) -> list[Step]:
     """A boundary layer on its nodes: on faces, in a region, or in a region that moves."""
     layer, function = e.c.layers[phase.role], getattr(e.module, phase.name)
     steps: list[Step] = []
-    for field in e.fields:
-        tail = (where(e, field), e.node_par, e.work)
+    for k, field in enumerate(e.fields):
+        tail = ((e.dtype(phase.number),) if phase.channel in ("u", "v_smooth") else ()) + (where(e, field), e.node_par, e.work)
+        memory = e.held.get((phase.role, k)) if phase.channel in ("v", "v_old") else None
+
+        def remembered(listed: tuple[Any, Any], field: Any = field, memory: Held | None = memory) -> tuple[Any, ...]:
+            return listed if memory is None else (*listed, memory.of(field.identities(listed[0]), listed[1]))
+
         faces = layer.faces_of(e.c.grid)
         if faces:
-            steps.append(_on_nodes(function, (field.G, *face_nodes(e, field, faces), *tail)))
+            steps.append(_on_nodes(function, (field.G, *remembered(face_nodes(e, field, faces)), *tail)))
         elif getattr(layer, "moving", None) is None:
-            steps.append(_on_nodes(function, (field.G, *_in_region(e, layer, field.positions(), e.t), *tail)))
+            steps.append(_on_nodes(function, (field.G, *remembered(_in_region(e, layer, field.positions(), e.t)), *tail)))
         else:
-            steps.append(_on_moving(e, layer, function, field, tail))
+            steps.append(_on_moving(e, layer, function, field, remembered, tail))
     return steps
 
 
@@ -127,11 +133,18 @@ def _on_nodes(function: Callable[..., None], arguments: tuple[Any, ...]) -> Step
     return lambda t, dt: function(*arguments, t, dt)
 
 
-def _on_moving(e: Engine, layer: Any, function: Callable[..., None], field: Any, tail: tuple[Any, ...]) -> Step:
+def _on_moving(
+    e: Engine,
+    layer: Any,
+    function: Callable[..., None],
+    field: Any,
+    remembered: Callable[[tuple[Any, Any]], tuple[Any, ...]],
+    tail: tuple[Any, ...],
+) -> Step:
     x = field.positions()
 
     def run(t: Any, dt: Any) -> None:
-        function(field.G, *_in_region(e, layer, x, float(t)), *tail, t, dt)
+        function(field.G, *remembered(_in_region(e, layer, x, float(t))), *tail, t, dt)
 
     return run
 

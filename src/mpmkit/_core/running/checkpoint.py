@@ -22,7 +22,7 @@ from mpmkit._core.running.disk import abandon, close_trimmed, reserve
 from mpmkit.errors import ResultsError
 
 MAGIC = "mpmkit checkpoint"
-FORMAT = 2
+FORMAT = 3
 _HEADER = 512
 _FAILURES = (OSError, RuntimeError, ValueError, TypeError)
 """What a full disk, a missing folder and values that no file can hold are raised as."""

@@ -18,6 +18,7 @@ from mpmkit._core.composing.sweep import WORK
 from mpmkit._core.composing.writer import ACCOUNTS
 from mpmkit._core.running import bindings
 from mpmkit._core.running.contact import ContactPairs
+from mpmkit._core.running.held import Held
 from mpmkit._core.running.nodes import SparseNodes
 from mpmkit._core.running.placing import ListedNodes, ListedPoints, SortedBodies
 from mpmkit._core.running.store import BodyStore, aligned
@@ -26,7 +27,9 @@ from mpmkit.errors import StabilityError
 
 Operation = tuple[str, Callable[[Any, Any], None]]
 
-SPEED, DIFFUSION, MOVED, VISCOUS, EXTERNAL = (ACCOUNTS.index(n) for n in ("speed", "diffusion", "moved", "viscous", "external"))
+SPEED, DIFFUSION, MOVED, VISCOUS, EXTERNAL, MOTION = (
+    ACCOUNTS.index(n) for n in ("speed", "diffusion", "moved", "viscous", "external", "motion")
+)
 JOIN_BYTES = 128 * 2**20
 """Particles from here on are stepped with the end of one step and the beginning of the next in one pass: it reads memory once in place
 of twice, but holds more in registers, so that bodies that fit into the caches gain nothing. The results are the same to the bit.
@@ -64,7 +67,7 @@ class Engine:
 
     Attributes
     ----------
-    outs : float64[bodies, 8]
+    outs : float64[bodies, 9]
         By `ACCOUNTS`: fastest signal and largest diffusivity of the last step, dissipation and work of external forces so far.
     flags : bool[bodies, 3]
         Whether some particle is inverted, outside the domain, or wider than its shape function allows.
@@ -98,6 +101,7 @@ class Engine:
             self.places = SortedBodies(plan, stores, self.team)
             self.fields = [SparseNodes(self.places.lattice, self.channels, self.dtype) for _ in range(n_fields)]
         self.scratch = [self._scratch() for _ in range(self.team.size)]
+        self.held = {(role, k): Held() for role, layer in c.layers.items() if c.remembers(layer) for k in range(n_fields)}
         self.contact = ContactPairs(self) if c.contact is not None else None
         fixed = getattr(c.integrator, "dt", None) is not None
         large = sum(s.P.nbytes for s in stores) >= JOIN_BYTES
@@ -234,7 +238,7 @@ class Engine:
         zero = self.dtype(0.0)
         for k in range(len(self.stores)):
             bindings.over_particles(self, k, "initial", self.places.acc[k])(zero, zero)
-            self.outs[k, [SPEED, DIFFUSION]] = self._reduced(self.places.acc[k], self.places.blocks[k].count, len(ACCOUNTS))[0][:2]
+            self._speeds(k, self._reduced(self.places.acc[k], self.places.blocks[k].count, len(ACCOUNTS))[0])
         for _, operation in self.start_operations:
             operation(zero, zero)
 
@@ -294,7 +298,7 @@ class Engine:
         """Take over what the loops have left in the accounts of their blocks."""
         for k in range(len(self.stores)):
             largest, sums = self._reduced(self.places.acc[k], self.places.blocks[k].count, len(ACCOUNTS))
-            self.outs[k, :2] = largest[:2]
+            self._speeds(k, largest)
             self.places.moved(k, largest[MOVED])
             self.outs[k, VISCOUS] += sums[VISCOUS]
             self.outs[k, EXTERNAL] += sums[EXTERNAL]
@@ -302,6 +306,10 @@ class Engine:
         for field, work in zip(self.fields, self.node_work, strict=True):
             self.work += self._reduced(work, field.active, len(WORK))[1][: len(WORK)]
             work[:] = 0.0
+
+    def _speeds(self, k: int, largest: Any) -> None:
+        """Take over what limits the time step: signals move with the particles, which some recipes account for in another loop."""
+        self.outs[k, SPEED], self.outs[k, DIFFUSION] = largest[SPEED] + largest[MOTION], largest[DIFFUSION]
 
     def _reduced(self, acc: Any, count: int, width: int) -> tuple[Any, Any]:
         self.module.reduce(acc, count, width, self._largest, self._sums)
@@ -348,12 +356,16 @@ class Engine:
     def state(self) -> dict[str, Any]:
         """Every array that the next step depends on (views, not copies)."""
         arrays = {f"P/{s.name}": s.P for s in self.stores} | {"work": self.work, "outs": self.outs, "gone": self.gone}
+        for (role, k), held in self.held.items():
+            arrays |= {f"held/{role}/{k}/{name}": array for name, array in held.state().items()}
         return arrays | (self.places.state() if not self.c.stored_operator else {"nodes": self.fields[0].G})
 
     def restore(self, arrays: dict[str, Any], t: float, step: int) -> None:
         for s in self.stores:
             s.take(arrays[f"P/{s.name}"], arrays.get(f"ids/{s.name}"), arrays.get(f"kept/{s.name}"))
         self.work[:], self.outs[:], self.gone[:] = arrays["work"], arrays["outs"], arrays["gone"]
+        for (role, k), held in self.held.items():
+            held.restore(arrays[f"held/{role}/{k}/keys"], arrays[f"held/{role}/{k}/flags"])
         if self.c.stored_operator:
             self.fields[0].G[:] = arrays["nodes"]
         else:

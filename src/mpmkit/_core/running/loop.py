@@ -250,7 +250,8 @@ class Run:
             )
         self.limit = self.repeats.slowed(limit, engine.t)
         target = min([until, *(r.next_time(engine.t) for r in self.recorders)])
-        dt, arrived = timestep.land(engine.t, self.limit.dt, target)
+        fixed = getattr(engine.c.integrator or engine.c.discretization, "dt", None) is not None
+        dt, arrived = timestep.land(engine.t, self.limit.dt, target, fixed=fixed)
         self._whole = False
         engine.step(dt)
         self._take_out(leaving.act(engine, self.sim.leaving))

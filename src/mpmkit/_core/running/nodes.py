@@ -98,6 +98,11 @@ class SparseNodes:
         first = self.blocks[stored, : lattice.dim] * lattice.B - lattice.ghosts
         return (first[:, None, :] + inside).reshape(-1, lattice.dim)
 
+    def identities(self, nodes: Any) -> Any:
+        """Numbers that stay with these stored nodes when others are stored, int64[:]."""
+        per_block = self.lattice.nodes_per_block
+        return self.numbers[nodes // per_block] * per_block + nodes % per_block
+
     def positions(self) -> Any:
         """Positions of the stored nodes [m], float64[n_nodes, dim]."""
         grid = self.lattice.grid

@@ -81,12 +81,16 @@ def _as_found(engine: Engine, limit: Limit) -> Limit:
     return Limit(courant * limit.dt, f"{limit.rule}, times {courant:g}, the largest at which these components were found to be stable")
 
 
-def land(t: float, dt: float, target: float) -> tuple[float, bool]:
-    """Shorten `dt` so that steps land on `target` without a tiny last one; whether this step does.
+def land(t: float, dt: float, target: float, *, fixed: bool) -> tuple[float, bool]:
+    """The step to take so that steps land on `target`, at most `dt`; whether this one does.
 
-    A step may be longer than `dt` by one part in 1e9, lest rounding of t cuts one in two.
+    Steps of automatic length are as equal as they can be, since a length that changes with every frame makes energy in the end, as a
+    parametric oscillator does. Of fixed ones only the last two are shortened, lest one be tiny. A step may be longer than `dt` by one
+    part in 1e9, lest rounding of t cuts one in two.
     """
     left = target - t
     if dt >= left * (1.0 - 1e-9):
         return left, True
-    return (0.5 * left if 2.0 * dt > left else dt), False
+    if fixed:
+        return (0.5 * left if 2.0 * dt > left else dt), False
+    return left / math.ceil(left / dt * (1.0 - 1e-9)), False

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import tempfile
+from pathlib import Path
 
 import mpmkit as mpm
 from mpmkit.errors import StabilityError
@@ -26,6 +28,13 @@ def bar(composition: Composition, cells: int, dt: float) -> mpm.Simulation:
     return sim
 
 
+def gained(sim: mpm.Simulation, periods: int) -> float:
+    """Energy that the bar has gained in so many periods (means of a period), from every step: a period has few."""
+    with tempfile.TemporaryDirectory() as folder:
+        sim += mpm.Record(str(Path(folder) / "bar.vtkhdf"), history=1, checkpoint=False)
+        return max(0.0, drift(run(sim, periods * EXACT.period), EXACT.period))
+
+
 def refused_after(sim: mpm.Simulation, steps: int, dt: float) -> float:
     """Steps until the time step is refused by name, or `UNNOTICED` if it never is."""
     try:
@@ -47,19 +56,17 @@ def above(composition: Composition, quick: bool) -> list[Figure]:
     dt = BELOW * limit(CELLS)
     good = bar(composition, CELLS, dt)
     late = refused_after(sim, 200, ABOVE * limit(CELLS))
-    run(good, (3 if quick else 20) * EXACT.period)
     return [
         Figure("steps before it is refused", late, 5.0),
-        Figure("energy gained with 80 % of the limit", max(0.0, drift(good, EXACT.period)), 0.01),
+        Figure("energy gained with 80 % of the limit", gained(good, 3 if quick else 20), 0.01),
     ]
 
 
 def refined(composition: Composition, quick: bool) -> list[Figure]:
     """A step that is right for a grid, on that with half the spacing."""
     dt = step(composition, 1.0 / CELLS, WAVE + EXACT.v0) * BELOW / composition.integrator.cfl
-    coarse = run(bar(composition, CELLS, dt), 3 * EXACT.period)
     return [
-        Figure("energy gained on the coarse grid", max(0.0, drift(coarse, EXACT.period)), 0.01),
+        Figure("energy gained on the coarse grid", gained(bar(composition, CELLS, dt), 3), 0.01),
         Figure("steps before it is refused on the fine grid", refused_after(bar(composition, 2 * CELLS, dt), 200, dt), 5.0),
     ]
 
