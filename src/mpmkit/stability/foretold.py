@@ -112,9 +112,9 @@ EXPECTED: tuple[Expected, ...] = (
     Expected(
         cases=("on-a-face",),
         when=facts.gradient_by_moments,
-        reason="gradients by moments, sum v_i N_i (x_i - x_p) / D, divide what rounding leaves of a difference, eps |v| h, by D h^2, and on "
-        "a face D is as small as the distance from it, which is kept at eps^(1/2) = 1.5e-8: strains of eps^(1/2) times the way in cells at "
-        "most, 6e-8 in these four",
+        reason="gradients by moments, sum v_i N_i (x_i - x_p) / D, divide what rounding leaves of a difference, eps |v| h, by D h^2; on a "
+        "face D is as small as the distance from it, which is kept at eps^(1/2) = 1.5e-8: strains of at most eps^(1/2) times the way in "
+        "cells, 6e-8 in these four",
         remedy="APIC, whose gradients are those of the shape functions, where strains of 1e-7 matter",
         always=False,
         figures={"distance from the face": 6e-8, "stress / modulus": 6e-8},
@@ -208,14 +208,6 @@ EXPECTED: tuple[Expected, ...] = (
         figures={"change of the stress": 0.02},
     ),
     # shape functions
-    Expected(
-        cases=("step-above-limit", "refined-at-same-step"),
-        when=lambda c: facts.strains_unmapped(c) and (facts.keeps_first_size(c) or facts.follows_size(c)),
-        reason="the matrix of one step (mpmkit.stability.lattice_theory) has modes that grow above a Courant number of 0.755 with two "
-        "particles in a cell: 80 % of h / (c + |v|) is beyond it (1.7 with MUSL)",
-        remedy="a Courant number of at most 0.7, or MUSL",
-        status=("bounded", "fails"),
-    ),
     Expected(
         cases=("vibrating-bar",),
         when=lambda c: facts.wide(c) and not facts.strains_unmapped(c),

@@ -14,7 +14,7 @@ from typing import Any
 
 import attrs
 
-from mpmkit._core.composing.limits import PATH, signature
+from mpmkit._core.composing.limits import COURANT, PATH, STRETCH, needed, signature
 from mpmkit.errors import MpmkitError
 from mpmkit.stability import lattice_theory
 from mpmkit.stability.case import Composition
@@ -25,10 +25,6 @@ CREATED = 0.05
 """Energy made, relative to that of the start, at which a vibration has failed."""
 FLIGHT = 0.1
 """Speed of flight [c] through cells."""
-STRETCH = 1.25
-"""Stretch up to which a body must stay whole to count as sampled finely enough."""
-COURANT = 0.4
-"""Courant number, the default of the integrators, at which it must vibrate and fly without making energy."""
 SPACES = {"1D": 1, "plane strain": 2, "3D": 3}
 PER_CELL = {"1D": (1, 2, 3, 4), "plane strain": (1, 2, 3), "3D": (1, 2)}
 STEPS = {"1D": 1000, "plane strain": 400, "3D": 300}
@@ -47,20 +43,24 @@ HOW = {
     "never half a cell into each other.",
     "density": "The same for the ratio of densities.",
     "particles per cell": f"Lowest number per direction with which a bar stays whole up to a stretch of {STRETCH:g} and vibrates at cfl = "
-    f"{COURANT:g} without making 5 % energy.",
+    f"{COURANT:g} in one dimension without making 5 % energy.",
 }
 """What each limit means and how it was found."""
 
 
 def main_compositions() -> list[Composition]:
-    """The compositions whose limits are published: the default, and others that differ from it in one choice."""
+    """The compositions whose limits are published: the default, others that differ from it in one choice, and every shape function with
+    strains that are not mapped again, whose limits are lower than those of others.
+    """
     from mpmkit.stability.compositions import registered
+    from mpmkit.stability.facts import strains_last_unmapped
 
     a = registered()
     out = [a.one()]
     out += [a.one(shape=shape) for shape in a.shapes[1:]]
     out += [a.one(integrator=integrator) for integrator in a.integrators[1:]]
     out += [a.one(transfer=transfer) for transfer in a.transfers[1:]]
+    out += [a.one(shape, integrator) for integrator in a.integrators[1:] if strains_last_unmapped(integrator) for shape in a.shapes[1:]]
     return [one for one in out if one.precision == "float64"]
 
 
@@ -142,8 +142,7 @@ def _search(one: Composition, quick: bool, say: Callable[[str], None] = lambda t
         out["courant by theory"] = {str(n): _least([lattice_theory.stable_courant(alone, n, shift) for shift in OFFSETS]) for n in line}
     out["stretch"] = each("stretch", line, lambda n: _stretch(alone, n))
     out["cells per step"] = each("cells per step", line[:2], lambda n: cells_per_step(alone, n))
-    whole = [n for n in line if _enough(out, n)]
-    out["particles per cell"] = min(whole) if whole else None
+    out["particles per cell"] = needed(out, "1D")
     for name, ratio in (("stiffness", lambda r: (r, 1.0)), ("density", lambda r: (1.0, r))):
         out[name] = {}
         for place, composition in (("contact", one), ("one field", alone)):
@@ -174,12 +173,6 @@ def cells_per_step(one: Composition, per_cell: int) -> list[float | None]:
 def _stretch(one: Composition, per_cell: int) -> list[float | None]:
     at = separation(one, per_cell, HIGHEST["stretch"])
     return [HIGHEST["stretch"], None] if at is None else [round(at, 2), round(at, 2)]
-
-
-def _enough(found: dict[str, Any], per_cell: int) -> bool:
-    n = str(per_cell)
-    stretch, rest = found["stretch"][n], found["courant"]["1D"][n]
-    return (stretch[0] or 0.0) >= STRETCH and (rest[0] or 0.0) >= COURANT
 
 
 def _ratios() -> list[float]:

@@ -20,6 +20,10 @@ not searched.
 """
 LENGTH_OF_STEP = ("cfl", "dt", "transfer", "strain")
 """Parameters of an integrator that are no part of what was searched: others set the step, the strain's form matters to second order."""
+STRETCH = 1.25
+"""Stretch up to which a body must stay whole to count as sampled finely enough."""
+COURANT = 0.4
+"""Courant number, the default of the integrators, at which it must vibrate without making energy."""
 _SPACE = {"axisymmetric": "plane strain"}
 
 
@@ -104,8 +108,8 @@ def _stable(c: Composition) -> Stable:
     row = of(c)
     if row is None:
         return Stable(GENERAL)
-    fewest = max(particles_per_cell(c), row["particles per cell"] or 1)
     space = _SPACE.get(c.grid.space, c.grid.space)
+    fewest = max(particles_per_cell(c), needed(row, space) or 1)
     tables = [row["courant"].get(space) or row["courant"]["1D"]] + ([row["courant at a wall"]] if space == "1D" else [])
     pairs = [(n, pair) for table in tables for n, pair in _from(table, fewest) if isinstance(pair, list)]
     flights = [pair[0] for _, pair in _from(row["courant in flight"], fewest) if isinstance(pair, list) and pair[1] is not None]
@@ -121,6 +125,15 @@ def _from(table: dict[str, Any], fewest: float) -> list[tuple[str, Any]]:
     return [(n, pair) for n, pair in table.items() if int(n) >= int(first)]
 
 
+def needed(row: dict[str, Any], space: str) -> int | None:
+    """Fewest particles per cell and direction that keep a body whole and stable; None if none of those tried did."""
+    table = row["courant"].get(space) or row["courant"]["1D"]
+    for n, pair in table.items():
+        if isinstance(pair, list) and (row["stretch"][n][0] or 0.0) >= STRETCH and (pair[0] or 0.0) >= COURANT:
+            return int(n)
+    return None
+
+
 def warnings(c: Composition) -> list[str]:
     """A cfl above the found limit; particles too few to keep a body whole."""
     row = of(c)
@@ -133,11 +146,11 @@ def warnings(c: Composition) -> list[str]:
             f"cfl = {cfl:g} is above {limit.found:g}, the largest at which {row['label']} was found to be stable in {c.grid.space} with "
             f"{limit.per_cell} particle(s) per cell and direction: vibrations make energy. To fix: cfl={0.8 * limit.found:.2g} or less"
         )
-    needed, fewest = row["particles per cell"], particles_per_cell(c)
-    if needed is not None and 1.0 <= fewest < needed * (1.0 - 1e-9):  # particles larger than cells are told of where sizes are checked
+    least, fewest = needed(row, _SPACE.get(c.grid.space, c.grid.space)), particles_per_cell(c)
+    if least is not None and 1.0 <= fewest < least * (1.0 - 1e-9):  # particles larger than cells are told of where sizes are checked
         out.append(
-            f"{fewest:.3g} particle(s) per cell and direction: {row['label']} was found to keep a body whole and stable with {needed} or "
-            f"more. To fix: particles_per_cell={needed**c.dim} or more"
+            f"{fewest:.3g} particle(s) per cell and direction: {row['label']} was found to keep a body whole and stable with {least} or "
+            f"more. To fix: particles_per_cell={least**c.dim} or more"
         )
     return out
 
