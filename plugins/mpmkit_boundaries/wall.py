@@ -59,7 +59,8 @@ class Wall(mpm.BoundaryLayer):
     - "friction": as slip, and Coulomb friction opposes sliding by at most ``friction`` times the normal impulse.
 
     Whether a node is held is decided once in a step, by the velocity that the forces alone would give it; so the wall
-    does no work, and a body bounces off it as off its mirror image.
+    does no work, and a body bounces off it as off its mirror image. With strains first (USF) that is known only after the
+    strain, which is formed with what the wall held in the step before.
 
     The wall acts on the nodes of its face, so a body feels it from a distance of up to one cell (linear functions)
     as soon as it moves towards it. For a wall that holds the normal direction in tension too use `Symmetry`.

@@ -21,7 +21,8 @@ class XPIC(mpm.Transfer):
 
     S interpolates from nodes to particles, S+ maps from particles to nodes. m = 1 is PIC, m -> infinity FLIP without
     its null space. The velocity v* = sum_r (-1)^(r+1) binom(m, r) (S+ S)^(r-1) v costs m - 1 further passes between
-    particles and nodes in each step. High orders amplify rounding; m above about 10 gains nothing.
+    particles and nodes in each step; boundary layers act on what comes out of each, so that a half with a plane of symmetry is
+    filtered as the whole would be. High orders amplify rounding; m above about 10 gains nothing.
     """
 
     references = ("Hammerquist and Nairn (2017), A new method for material point method particle updates, doi:10.1016/j.cma.2017.01.035",)

@@ -34,7 +34,8 @@ class BoundaryLayer(Component):
     hold : Kernel
         Node hook of a layer that lets nodes go (a wall). ``constrain`` then decides by the velocity that the forces alone
         would give whether the layer acts; where it does, ``hold`` is the condition on all velocities of the node,
-        whatever their sign, so that a wall at rest does no work.
+        whatever their sign, so that a wall at rest does no work. Of recipes that strain first, the strain is formed
+        with the nodes held that were in the step before.
     rub : Kernel
         Node hook, called after ``constrain`` in the momentum update. Returns the velocity after friction; may
         moreover ask for ``dv_n``, the normal velocity that ``constrain`` has just taken away (>= 0).

@@ -84,9 +84,8 @@ def _as_found(engine: Engine, limit: Limit) -> Limit:
 def land(t: float, dt: float, target: float, *, fixed: bool) -> tuple[float, bool]:
     """The step to take so that steps land on `target`, at most `dt`; whether this one does.
 
-    Steps of automatic length are as equal as they can be, since a length that changes with every frame makes energy in the end, as a
-    parametric oscillator does. Of fixed ones only the last two are shortened, lest one be tiny. A step may be longer than `dt` by one
-    part in 1e9, lest rounding of t cuts one in two.
+    Steps of automatic length are as equal as they can be: a leapfrog keeps its energy with equal steps only. Of fixed ones only the last
+    two are shortened, lest one be tiny. A step may be longer than `dt` by one part in 1e9, lest rounding of t cuts one in two.
     """
     left = target - t
     if dt >= left * (1.0 - 1e-9):
