@@ -125,6 +125,8 @@ def boundary(sweep: Sweep, role: str, channel: str, on_old: bool, name: str) -> 
             inner += [f"impulse{a} += weight * m * (new[{a}] - {node(layout, channel, a)})" for a in range(dim)]
         inner += assign(layout, channel, dim, "new")
     lines += [f"    {line}" for line in inner]
+    if remembers and channel == "v":
+        lines += ["else:", "    held[j] = False"]
     account = channel in ("v", "v_old")
     header = ["boundary, friction = 0.0, 0.0"] if account else []
     tail = ["work[2] += 0.5 * boundary", "work[3] += 0.5 * friction"] if account else []
