@@ -8,6 +8,7 @@ from mpmkit.stability.cases.spinning import disk
 from mpmkit.stability.compositions import default
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("integrator", "swells"), [(MUSL, 1.0), (USF, -1.0)], ids=lambda v: getattr(v, "__name__", ""))
 def test_a_disk_keeps_its_size_with_the_centred_gradient(integrator, swells):
     """Rate: L at the end of a chord has the trace +-w^2 dt, so areas change by (w dt)^2 in each step, 1.25 % in a turn; centred by less

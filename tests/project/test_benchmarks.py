@@ -25,7 +25,7 @@ def line(impl="mpmkit", mps=10.0, **more):
     return base | {"mps_min": mps, "mps_med": mps, "mps_max": mps, "diag20": numbers} | more
 
 
-@pytest.mark.parametrize("case", ["apic3", "flip3", "apic2"])
+@pytest.mark.parametrize("case", ["apic2", *(pytest.param(case, marks=pytest.mark.physics) for case in ("apic3", "flip3"))])
 def test_a_tiny_run_prints_its_line_and_moves_as_the_exact_motion(case, root):
     from benchmarks import problem
 
@@ -129,7 +129,8 @@ def test_operations_are_counted_in_the_text_of_kernels():
     assert 0 < operations(Linear.weights) < operations(QuadraticBSpline.weights) < operations(CubicBSpline.weights)
 
 
-def test_more_nodes_fields_and_loops_are_more_work():
+def test_more_nodes_fields_and_loops_are_more_work(monkeypatch):
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")  # counted in the text, not run
     from benchmarks import arithmetic, inside, variants
 
     chosen = {v.name: v for v in variants.variants()}
@@ -199,6 +200,7 @@ def test_tables_and_pictures_come_from_the_results(tmp_path):
     assert (tmp_path / "performance_components.png").stat().st_size > 1000
 
 
+@pytest.mark.physics
 def test_memory_counts_fields_and_growth(root):
     from benchmarks import memory
 

@@ -12,6 +12,8 @@ from conftest import ROOT
 from mpmkit._core.registry import registry
 from mpmkit.parameters import specs
 
+LONG = {"01-two-disks", "load-a-boundary"}
+"""Pages with thousands of steps: compiled, and left for ``-m physics``; the others run as plain Python."""
 WITH_CODE = sorted(p for folder in ("tutorials", "howto", "explanation") for p in (ROOT / "docs" / folder).glob("*.md"))
 
 
@@ -74,9 +76,11 @@ def test_the_page_of_conformance_checks_has_all_of_them(root):
     assert "Ruff" not in text and "noqa" not in text
 
 
-@pytest.mark.parametrize("path", WITH_CODE, ids=[p.stem for p in WITH_CODE])
+@pytest.mark.parametrize("path", [pytest.param(p, id=p.stem, marks=[pytest.mark.physics] * (p.stem in LONG)) for p in WITH_CODE])
 def test_python_in_the_docs_runs(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    if path.stem not in LONG:
+        monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     names: dict = {"__name__": path.stem}
     for block in blocks(path):
         if block.language == "python":
@@ -90,6 +94,7 @@ def test_quoted_functions_of_the_generated_step_are_the_real_ones(root):
     assert script(root / "docs/generate.py").quoting(page) == page
 
 
+@pytest.mark.physics
 def test_the_statements_of_the_how_to_on_loads_hold(root, tmp_path, monkeypatch):
     # statics: the outermost node carries the share 1 - thickness / 2 of the force of a layer, all of it in the two-point form;
     # the tolerance is what the damping has left after 0.2 s

@@ -134,6 +134,7 @@ def test_stretch_of_the_default():
         assert separation(DEFAULT, n) == pytest.approx(row(DEFAULT)["stretch"][str(n)][0], abs=0.02)
 
 
+@pytest.mark.physics
 def test_ratios_of_the_default_in_one_field():
     for name, ratio in (("stiffness", lambda r: (r, 1.0)), ("density", lambda r: (1.0, r))):
         holds = row(DEFAULT)[name]["one field"][0]
@@ -161,7 +162,8 @@ def bar(integrator, per_cell=1, shape=None):
     return sim
 
 
-def test_fixed_step_above_the_found_limit_is_refused():
+def test_fixed_step_above_the_found_limit_is_refused(monkeypatch):
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")  # a dozen steps
     found = row(Composition(QuadraticBSpline(), MUSL(TPIC())))["courant"]["1D"]["1"][0]
     assert found < 0.9
     with pytest.raises(mpm.StabilityError, match=rf"above the stable limit .* times {found:g}, the largest at which these components"):
@@ -175,7 +177,8 @@ def test_cfl_above_the_found_limit_warns():
         bar(MUSL(TPIC(), cfl=0.95)).compose()
 
 
-def test_explain_tells_what_was_found():
+def test_explain_tells_what_was_found(monkeypatch):
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         notes = bar(MUSL(), per_cell=2).explain().data["notes"]

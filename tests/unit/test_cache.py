@@ -195,6 +195,7 @@ print(sim.particles()["x"].tobytes().hex(), sum(sum(f.stats.cache_misses.values(
 """
 
 
+@pytest.mark.physics
 def test_two_runs_of_one_composition_at_once(tmp_path):
     environment = os.environ | {"MPMKIT_CACHE_DIR": str(tmp_path), "NUMBA_DISABLE_JIT": "0"}
     text = textwrap.dedent(SCENE.format(folder=os.path.dirname(__file__)))

@@ -114,7 +114,7 @@ def test_a_failed_check_is_told_with_its_reason(call, plugin):
     [
         ("os._exit(7)", "the process ended with status 7"),
         ("os.kill(os.getpid(), 11)", "killed by signal 11 (SIGSEGV)"),
-        ("time.sleep(1e6)", "did not end within 10 s"),
+        pytest.param("time.sleep(1e6)", "did not end within 10 s", marks=pytest.mark.physics),
     ],
     ids=["exit", "crash", "hang"],
 )
@@ -165,6 +165,7 @@ def test_a_plugin_that_cannot_be_loaded_is_one_failed_check(call, plugin, fakes,
     assert told in rows[0]["reason"]
 
 
+@pytest.mark.physics
 def test_another_plugin_that_hangs_does_not_stop_the_check_of_a_good_one(call, plugin, fakes):
     plugin()
     fakes.add("mpmkit-bad", "bad", "import time; time.sleep(1e6)")

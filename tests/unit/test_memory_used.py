@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 
+import pytest
 from small_scenes import RUBBER
 
 import mpmkit as mpm
@@ -11,6 +12,7 @@ from mpmkit.integrators import MUSL
 from mpmkit.shapes import QuadraticBSpline
 
 
+@pytest.mark.physics
 def test_a_million_particles_take_little_beside_their_fields(tmp_path):
     """At the peak, with sampling, sorting and frames, under 1.3 times the declared fields of particles and nodes."""
 

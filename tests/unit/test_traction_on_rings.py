@@ -12,6 +12,7 @@ from mpmkit.materials import LinearElastic
 from mpmkit.shapes import Linear
 
 
+@pytest.mark.usefixtures("plain_python")
 @pytest.mark.parametrize(("face", "radius"), [("xmin", 1.0), ("xmax", 2.0)])
 def test_two_point_traction_acts_on_the_ring_at_the_boundary(face, radius):
     """Its force is traction times 2 pi r height with the radius of the face, not of the particles (1e-12 of it)."""

@@ -104,7 +104,7 @@ def spinning(transfer, shape, until=2 * np.pi):
     return run(simulation(mpm.Grid((0.0, 0.0), (3.0, 3.0), 0.25), body, shape=shape, integrator=MUSL(transfer, cfl=0.9)), until)
 
 
-@pytest.mark.parametrize("shape", [QuadraticBSpline(), CubicBSpline()], ids=str)
+@pytest.mark.parametrize("shape", [QuadraticBSpline(), pytest.param(CubicBSpline(), marks=pytest.mark.physics)], ids=str)
 def test_angular_momentum_of_apic_with_splines(shape):
     """Rounding: 1e-9 for a whole turn, about the origin and so with the momentum about the centre. PIC loses a large part."""
     history = spinning(APIC(), shape).history

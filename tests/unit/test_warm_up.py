@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from small_scenes import RUBBER, box, grid, simulation
 
 import mpmkit as mpm
@@ -13,6 +14,7 @@ def looked_for(code, *_):
     raise AssertionError(f"{code._name} is compiled, or read from the cache, in the middle of a run")
 
 
+@pytest.mark.physics
 def test_bodies_that_meet_later_compile_nothing(monkeypatch):
     bodies = [mpm.Body(box("plane strain", a, a + 0.5), RUBBER, (v, 0.0), name=str(a)) for a, v in ((0.25, 2.0), (1.25, -2.0))]
     sim = simulation(grid("plane strain"), *bodies, FrictionalContact())
