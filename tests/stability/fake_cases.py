@@ -43,6 +43,10 @@ def never(composition, quick):
     time.sleep(3600.0)
 
 
+def process(composition, quick):
+    return [Figure("process", float(os.getpid()), 0.0)]
+
+
 def nan(composition, quick):
     return [Figure("error", float("nan"), 1.0)]
 

@@ -18,7 +18,7 @@ from mpmkit.errors import ParameterError, PluginError
 from mpmkit.integrators import MUSL, USL
 from mpmkit.materials import NeoHookean
 from mpmkit.shapes import Linear, QuadraticBSpline
-from mpmkit.stability import Case, Composition, Figure, Verdict, compositions, matrix, run, table
+from mpmkit.stability import Case, Composition, Figure, Verdict, compositions, matrix, pool, run, table
 from mpmkit.stability.case import simulation
 from mpmkit.stability.cases import cases
 from mpmkit.stability.cases._tools import momentum_error
@@ -158,6 +158,13 @@ def test_crashes_and_time_limits_are_verdicts_and_the_rest_goes_on():
     assert [verdicts[n].status for n in ("holds", "refused", "bounded")] == ["holds", "refused", "bounded"]
     assert len(found.unexplained) == 4
     assert not found.passed
+
+
+def test_processes_are_replaced_before_they_have_taken_all_memory(monkeypatch):
+    monkeypatch.setattr(pool, "RENEWED", 2)
+    many = [attrs.evolve(fake.case(fake.process), name=f"process {k}") for k in range(5)]
+    processes = [c.verdict.figures[0].value for c in run(many, [DEFAULT], jobs=1).cells]
+    assert [processes.count(p) for p in dict.fromkeys(processes)] == [2, 2, 1]
 
 
 def test_a_case_that_cannot_be_sent_says_so():
