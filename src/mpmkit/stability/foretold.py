@@ -74,7 +74,7 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     Expected(
         cases=("vibrating-bar",),
-        when=facts.filters_in_passes,
+        when=lambda c: facts.filters_in_passes(c) and not facts.strains_unmapped(c),
         reason=PASSES + "; two passes take 1 - exp(-n (k h)^4 / 16) of the energy of the first mode in n steps: of 13 cells 3.4 % in five "
         "periods at a Courant number of 0.1, and half in a hundred; of 26 cells an eighth as much in the exponent",
         remedy="FLIP, APIC, more cells, or larger steps",
@@ -96,7 +96,7 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     Expected(
         cases=("thin-body",),
-        when=lambda c: facts.filters(c) or facts.filters_in_passes(c),
+        when=lambda c: (facts.filters(c) or facts.filters_in_passes(c)) and not facts.strains_unmapped(c),
         reason=HELD,
         remedy="FLIP with several particles across, APIC, or a strip of a cell and more",
         figures={"period": 0.097},
@@ -147,6 +147,14 @@ EXPECTED: tuple[Expected, ...] = (
         reason=UNMAPPED + UNLOADING,
         remedy="MUSL, or a smaller cfl",
         figures={"energy lost": 0.1},
+    ),
+    Expected(
+        cases=("spinning-disk",),
+        when=lambda c: facts.carries_affine(c) and facts.strains_unmapped(c) and not c.integrator.angular_momentum,
+        reason="the affine matrix is formed with velocities whose change is limited at light nodes, which at the rim have some per cent of "
+        "a particle's mass: a thousandth of the angular momentum in a turn at most, in place of rounding",
+        remedy="MUSL, which keeps it to rounding with APIC and splines",
+        figures={"angular momentum": 1e-3},
     ),
     # USF
     Expected(

@@ -89,5 +89,5 @@ def node_channels(c: Composition, plan: Schedule) -> NodeLayout:
     if c.limits_velocities:
         given = [role for role, e in c.effects.items() if e.acceleration is not None or (e.body_force is not None and not c.loaded)]
         if given:
-            layout.add(["v_given"], f"change of velocity by {', '.join(given)}, which is not limited at light nodes")
+            layout.add(["v_given"], f"change of velocity by {', '.join(given)}, which is left alone at light nodes")
     return layout

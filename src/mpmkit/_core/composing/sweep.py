@@ -33,12 +33,18 @@ def node(layout: NodeLayout, channel: str, a: int = 0) -> str:
     return f"G[U(k + {offset})]" if offset else "G[U(k)]"
 
 
-def limited(layout: NodeLayout, a: int) -> str:
-    """The nodal velocity, its change reduced to ``share``; the change that accelerations make everywhere is left alone."""
-    old, new = node(layout, "v_old", a), node(layout, "v", a)
-    if "v_given" in layout.start:
-        old = f"({old} + {node(layout, 'v_given', a)})"
-    return f"({old} + share * ({new} - {old}))"
+def limited(layout: NodeLayout, a: int) -> list[str]:
+    """Lines for ``u{a}``, the nodal velocity with its change reduced to ``share``.
+
+    What accelerations do to all mass alike is no matter of little mass: a change between none, as of a body that rests under its weight,
+    and theirs, as of one that falls, is left alone. Only what is beyond is reduced.
+    """
+    lines = [f"dv{a} = {node(layout, 'v', a)} - {node(layout, 'v_old', a)}"]
+    if "v_given" not in layout.start:
+        return [*lines, f"u{a} = {node(layout, 'v_old', a)} + share * dv{a}"]
+    given = node(layout, "v_given", a)
+    lines.append(f"mild{a} = min(max(dv{a}, min({given}, zero)), max({given}, zero))")
+    return [*lines, f"u{a} = {node(layout, 'v_old', a)} + mild{a} + share * (dv{a} - mild{a})"]
 
 
 def vector(layout: NodeLayout, channel: str, dim: int) -> str:

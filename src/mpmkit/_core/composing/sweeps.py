@@ -72,7 +72,8 @@ def limit(sweep: Sweep, name: str, channel: str, mass: str) -> str:
     layout, dim = sweep.layout, sweep.dim
     least = sweep.parameter(mass, lambda roles: roles[mass])
     lines = [f"share = min(one, {node(layout, 'm')} / {least})"]
-    lines += [f"{node(layout, channel, a)} = {limited(layout, a)}" for a in range(dim)]
+    for a in range(dim):
+        lines += [*limited(layout, a), f"{node(layout, channel, a)} = u{a}"]
     return sweep.over_nodes(name, f"Nodes: velocities {channel}, limited where there is little mass.", lines, {})
 
 
