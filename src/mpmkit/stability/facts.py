@@ -49,6 +49,12 @@ def carries_affine(c: Composition) -> bool:
     return transfer is not None and transfer.affine != "none" and "v" not in transfer.velocity.arguments
 
 
+def affine_by_moments(c: Composition) -> bool:
+    """The affine part is that of first moments, by which rotation is conserved (APIC, MLS)."""
+    transfer = _transfer(c)
+    return transfer is not None and transfer.affine == "moment"
+
+
 def gradient_by_moments(c: Composition) -> bool:
     """Gradients are those of a least-squares fit, first moments over the second moment of the weights (MLS)."""
     transfer = _transfer(c)

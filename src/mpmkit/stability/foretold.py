@@ -150,7 +150,7 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     Expected(
         cases=("spinning-disk",),
-        when=lambda c: facts.carries_affine(c) and facts.strains_unmapped(c) and not c.integrator.angular_momentum,
+        when=lambda c: facts.affine_by_moments(c) and facts.strains_unmapped(c),
         reason="the affine matrix is formed with velocities whose change is limited at light nodes, which at the rim have some per cent of "
         "a particle's mass: a thousandth of the angular momentum in a turn at most, in place of rounding",
         remedy="MUSL, which keeps it to rounding with APIC and splines",
@@ -165,6 +165,16 @@ EXPECTED: tuple[Expected, ...] = (
         remedy="MUSL, or a smaller cfl",
         always=False,
         figures={"energy gained": 0.022},
+    ),
+    Expected(
+        cases=("on-a-face",),
+        when=lambda c: facts.strains_first(c.integrator) and facts.keeps_velocities(c),
+        reason="a particle that bounces alone is a spring on its wall, which lets go up to a step after its stress has become tension, and "
+        "what is left of that is not relieved in flight: 7, 2 and 1 % of its energy are made in each bounce at Courant numbers of 0.4, 0.2 "
+        "and 0.1. MUSL is the same step in the reverse order and loses as much: 9, 6 and 3 %",
+        remedy="MUSL, a transfer that dissipates, a smaller cfl, or more than the particles of one cell",
+        status=("bounded", "fails"),
+        always=False,
     ),
     # USL
     Expected(
