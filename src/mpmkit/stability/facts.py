@@ -26,6 +26,11 @@ def strains_unmapped(c: Composition) -> bool:
     return strains_last_unmapped(c.integrator)
 
 
+def strains_raw(c: Composition) -> bool:
+    """Strains from f_i / m_i as it is at the lightest nodes too, by slopes that jump."""
+    return strains_unmapped(c) and "limit" not in recipe(c.integrator) and slopes_jump(c)
+
+
 def maps_again(c: Composition) -> bool:
     """Strains from a second mapping of the new velocities (MUSL)."""
     return "remap" in recipe(c.integrator)

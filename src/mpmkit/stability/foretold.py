@@ -184,6 +184,18 @@ EXPECTED: tuple[Expected, ...] = (
         remedy="MUSL, or a smaller cfl",
         figures={"energy lost": 0.7},
     ),
+    Expected(
+        cases=(
+            *("galilean", "galilean-contact", "lone-particles", "mirror", "on-a-face", "permutation", "restart", "single-particle"),
+            *("spinning-bar", "spinning-disk", "swap-of-axes", "thin-body", "thin-plate", "threads"),
+        ),
+        when=facts.strains_raw,
+        reason="particles drift past nodes, and where slopes jump the strain that a particle's own force returns to it goes with slope^2 / "
+        "weight at a node, which has no bound: the particle is torn off, whatever the scene (see the caution)",
+        remedy="MUSL, USF, USL with its limit, or a shape function with continuous slopes",
+        status=("fails",),
+        always=False,
+    ),
     # all that dissipate
     Expected(
         cases=("galilean",),
@@ -194,7 +206,7 @@ EXPECTED: tuple[Expected, ...] = (
     ),
     Expected(
         cases=("galilean-contact",),
-        when=lambda c: facts.carries_affine(c) or (facts.strains_unmapped(c) and facts.keeps_velocities(c)),
+        when=lambda c: not facts.wide(c) and (facts.carries_affine(c) or (facts.strains_unmapped(c) and facts.keeps_velocities(c))),
         reason=SEEN_BY_THE_GRID,
         remedy="FLIP with MUSL or USF, or more cells",
         figures={"energy loss at 10, -7": 0.08},
@@ -281,9 +293,10 @@ EXPECTED: tuple[Expected, ...] = (
         cases=("stiffening",),
         when=lambda c: facts.slopes_jump(c) and facts.maps_again(c),
         reason=CROSSING
-        + "; when the bar snaps back every particle crosses faces (1.02 % with 20 cells, 1.9 with 80; half of it with half the "
+        + "; when the bar snaps back every particle crosses faces (1.0 % with 20 cells, 1.9 with 80; half of it with half the "
         "time step)",
         remedy="a spline, or a smaller cfl",
+        quick=False,
         figures={"energy gained": 0.025},
     ),
 )

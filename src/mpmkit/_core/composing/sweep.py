@@ -33,18 +33,24 @@ def node(layout: NodeLayout, channel: str, a: int = 0) -> str:
     return f"G[U(k + {offset})]" if offset else "G[U(k)]"
 
 
-def limited(layout: NodeLayout, a: int) -> list[str]:
+def limited(layout: NodeLayout, a: int, smooth: bool) -> list[str]:
     """Lines for ``u{a}``, the nodal velocity with its change reduced to ``share``.
 
-    What accelerations do to all mass alike is no matter of little mass: a change between none, as of a body that rests under its weight,
-    and theirs, as of one that falls, is left alone. Only what is beyond is reduced.
+    What accelerations do to all mass alike is no matter of little mass: the change of what falls is left alone, and with smooth shape
+    functions every change between none, as of a body that rests under its weight, and that. Slopes that jump would make rounding errors
+    grow up to it (see the caution about raw velocities).
     """
-    lines = [f"dv{a} = {node(layout, 'v', a)} - {node(layout, 'v_old', a)}"]
+    old, new = node(layout, "v_old", a), node(layout, "v", a)
     if "v_given" not in layout.start:
-        return [*lines, f"u{a} = {node(layout, 'v_old', a)} + share * dv{a}"]
+        return [f"u{a} = {old} + share * ({new} - {old})"]
     given = node(layout, "v_given", a)
-    lines.append(f"mild{a} = min(max(dv{a}, min({given}, zero)), max({given}, zero))")
-    return [*lines, f"u{a} = {node(layout, 'v_old', a)} + mild{a} + share * (dv{a} - mild{a})"]
+    if not smooth:
+        return [f"u{a} = {old} + {given} + share * ({new} - {old} - {given})"]
+    return [
+        f"dv{a} = {new} - {old}",
+        f"mild{a} = min(max(dv{a}, min({given}, zero)), max({given}, zero))",
+        f"u{a} = {old} + mild{a} + share * (dv{a} - mild{a})",
+    ]
 
 
 def vector(layout: NodeLayout, channel: str, dim: int) -> str:

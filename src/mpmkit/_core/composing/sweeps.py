@@ -72,8 +72,9 @@ def limit(sweep: Sweep, name: str, channel: str, mass: str) -> str:
     layout, dim = sweep.layout, sweep.dim
     least = sweep.parameter(mass, lambda roles: roles[mass])
     lines = [f"share = min(one, {node(layout, 'm')} / {least})"]
+    shape = sweep.composition.shape
     for a in range(dim):
-        lines += [*limited(layout, a), f"{node(layout, channel, a)} = u{a}"]
+        lines += [*limited(layout, a, shape is not None and shape.smooth), f"{node(layout, channel, a)} = u{a}"]
     return sweep.over_nodes(name, f"Nodes: velocities {channel}, limited where there is little mass.", lines, {})
 
 
