@@ -131,12 +131,12 @@ def test_volume_of_a_body_in_rigid_rotation(shape, strain, integrator):
 
 # --- what the integrators are known for ---------------------------------------------------------------------------
 def trembling(integrator):
-    """Four particles that fly across ten cells with a disturbance of 1e-6."""
+    """Four particles that fly across twelve cells with a disturbance of 1e-6."""
     law = NeoHookean(E=0.7428, nu=0.3, rho=1.0)  # sound travels 1 m/s
     v = (0.08253, 0.05646)
     body = mpm.Body(mpm.Box((0.4, 0.4), (0.5, 0.5)), law, (f"{v[0]} + 1e-6*sin(37*x + 20*y)", f"{v[1]} + 1e-6*sin(30*y)"), name="body")
     sim = simulation(mpm.Grid((0.0, 0.0), (2.0, 2.0), 0.1), body, shape=Linear(), integrator=integrator, retries=0)
-    p = run(sim, 10.0).particles("body")
+    p = run(sim, 15.0).particles("body")
     return np.abs(p["v"] - v).max()
 
 
@@ -225,7 +225,10 @@ def test_steps_land_on_their_target_without_a_tiny_one(fixed):
             assert arrived or t < 1.0
         assert abs(sum(lengths) - 1.0) < 1e-12
         assert max(lengths) <= dt * (1.0 + 1e-9) and min(lengths) > 0.45 * min(dt, 1.0)
-        assert lengths[0] == dt if fixed else max(lengths) - min(lengths) < 1e-12  # rounding: sums of t
+        if fixed:
+            assert set(lengths[:-2]) <= {dt}
+        else:
+            assert max(lengths) - min(lengths) < 1e-12  # rounding: sums of t
         assert len(lengths) == math.ceil(1.0 / dt * (1.0 - 1e-9))
 
 
@@ -251,6 +254,7 @@ def test_smallest_spacing_limits():
     assert "dt = 0.0625 s" in str(sim.explain())
 
 
+@pytest.mark.filterwarnings("ignore:1 particle.*USL")
 @pytest.mark.parametrize("integrator", [MUSL, USF, USL], ids=lambda c: c.__name__)
 def test_fixed_step_is_kept(integrator):
     sim = bar(integrator=integrator(dt=0.01), v=0.01)
