@@ -92,5 +92,8 @@ class ExplicitIntegrator(Integrator):
         kw_only=True,
     )
     mass: str = parameter(
-        "mass matrix; consistent is dense and for small problems", choices=("lumped", "consistent"), default="lumped", kw_only=True
+        "mass matrix; consistent is dense and for small problems in which no moving body meets a wall",
+        choices=("lumped", "consistent"),
+        default="lumped",
+        kw_only=True,
     )
