@@ -211,6 +211,19 @@ def test_consistent_mass_refuses(integrator, parts, reason):
     refused(simulation(PLANE, block(), *parts, integrator=integrator), "mass='consistent'", reason, "lumped")
 
 
+@pytest.mark.parametrize(
+    ("low", "v", "meets"), [(0.0, "0.1*x", False), (0.0, 0.1, True), (0.5, -0.1, True), (0.25, 0.0, True), (0.5, 0.1, False)]
+)
+def test_consistent_mass_and_bodies_that_meet_a_held_plane(low, v, meets):
+    """Quadratic splines reach 1.5 cells of 0.25: what is at rest at the plane, or moves away from it, is fine."""
+    body = mpm.Body(mpm.Box(low, low + 1.0), LinearElastic(E=1.0, nu=0.0, rho=1.0), v, name="bar")
+    sim = simulation(mpm.Grid(0.0, 2.0, 0.25), body, Symmetry("xmin"), integrator=MUSL(mass="consistent"))
+    if meets:
+        refused(sim, "mass='consistent'", "body 'bar' would meet Symmetry on 'xmin' in motion", "mass='lumped'")
+    else:
+        sim.compose()
+
+
 def test_consistent_mass_with_damping_is_refused_before_the_first_step():
     sim = simulation(PLANE, block(), Damping(1.0), integrator=MUSL(mass="consistent"))
     with pytest.raises(mpm.CompositionError, match="Damping"):

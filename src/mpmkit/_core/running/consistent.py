@@ -5,7 +5,7 @@ squares sense, because with few particles the matrix is singular. Prescribed com
 
 Known to fail where a moving body meets a held plane, most of all with splines: the nodes next to the plane take velocities far beyond those
 of the particles, so that these fit in spite of the constraint, forces do work with them, strains come from the second mapping and do not,
-and a quarter of the motion and more is made as energy in the impact, whatever the step. The alarm of the run says so; use the lumped mass.
+and a quarter of the motion and more is made as energy in the impact, whatever the step. Such a start is refused (`contract.check_state`).
 """
 
 from __future__ import annotations
