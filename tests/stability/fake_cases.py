@@ -56,3 +56,7 @@ def case(measure, **more):
 
 
 WAITING = case(holds, waits_for="a shock equation of state")
+
+
+def stopped(composition, quick):
+    raise StabilityError("energy was created\nlast good state: step 81, t = 1.5 s, /some/folder/run.ckpt.h5")

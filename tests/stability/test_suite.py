@@ -57,6 +57,11 @@ def test_verdicts(measure, status, words):
     assert words in verdict.reason
 
 
+def test_a_verdict_names_no_file_of_the_machine():
+    verdict = judge(fake.case(fake.stopped), DEFAULT)
+    assert (verdict.status, verdict.reason) == ("fails", "energy was created")
+
+
 def test_a_case_that_waits_is_not_run():
     assert judge(fake.WAITING, DEFAULT) == Verdict("waiting", reason="waits for a shock equation of state")
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 MOMENTUM_ERROR = {"float64": 1e-9, "float32": 1e-3}
 """Largest relative momentum error with a component under test, by precision: rounding of some thousand steps."""
+KEPT = "\nlast good state"
+"""Where the words of a stopped run about its last good state begin: the files of a cell are gone when it is read."""
 SETTLED = 100
 """Steps before the balance of energy counts: velocities lag by half a step, which after n steps of a sudden load is 1 / (2 n)."""
 
@@ -38,7 +40,7 @@ def judge(case: Case, composition: Composition, quick: bool = False) -> Verdict:
         except CompositionError as error:
             status, reason = "refused", str(error)
         except StabilityError as error:
-            status, reason = "fails", str(error)
+            status, reason = "fails", str(error).split(KEPT)[0]
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as error:  # noqa: BLE001  a component under test may raise anything; the suite goes on
